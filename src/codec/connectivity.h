@@ -1,0 +1,31 @@
+// Connectivity: the surface as vertex degrees, split and merge events (BITSTREAM.md, section 5).
+#pragma once
+
+#include "entropy.h"
+#include "surface.h"
+#include "tsc/codec.h"
+
+namespace tsc {
+
+// In the decoded numbering, a component's first face holds its first three vertices, all real, at its corners. Every
+// later face has its gate's corners at 1 and 2, so `opposite` of its corner 0 lies in a face known before; a vertex
+// that is new with it stands at corner 0, and that is its `vertex_corner`.
+
+/// What the encoder learns about the decoder's numbering.
+struct ConnectivityOrder {
+  std::vector<std::uint32_t> vertex;  ///< for each decoded vertex, the vertex of the encoder's surface
+  std::vector<std::uint32_t> corner;  ///< for each decoded face, the encoder's corner that became its first
+};
+
+/// Codes `surface`; returns it in the decoder's numbering through `decoded`, equal to what `decodeConnectivity` will
+/// produce, and how that maps to the input numbering. O(n log n) at worst. `surface` must be closed, each vertex one
+/// umbrella, each face with three different vertices, at most one of them a dummy, as `cutToManifold` gives it.
+ConnectivityOrder encodeConnectivity(const Surface& surface, EntropyWriter& writer, Surface& decoded);
+
+/// Decodes a surface of exactly `face_count` faces (dummy ones included) and `vertex_count` vertices (dummies
+/// included), the counts of the header. Linear time and memory in these counts whatever the stream says.
+/// Errors: kTruncated, kInvalidSymbol, kInvalidCount.
+[[nodiscard]] Status decodeConnectivity(EntropyReader& reader, std::uint32_t face_count, std::uint32_t vertex_count,
+                                        Surface& surface);
+
+}  // namespace tsc

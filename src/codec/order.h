@@ -1,0 +1,72 @@
+// The order in which positions are coded (BITSTREAM.md, section 6.2).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "surface.h"
+
+namespace tsc {
+
+/// Visits every vertex that is no dummy once, next always one with the most complete parallelograms (three or more count
+/// alike; first come, first served), seeding each component with the face of its lowest vertex. `visit(vertex)` returns
+/// false to stop. Linear time.
+template <class Visit>
+void visitByDegree(const Surface& surface, Visit&& visit) {
+  constexpr int kCap = 3;
+  std::vector<std::uint8_t> visited(surface.is_dummy.begin(), surface.is_dummy.end());
+  std::vector<std::uint8_t> known(surface.vertexCount());
+  std::vector<std::uint8_t> degree(surface.vertexCount());
+  std::array<std::vector<std::uint32_t>, kCap + 1> queue;
+  std::array<std::size_t, kCap + 1> head{};
+  bool going = true;
+
+  const auto gain = [&](std::uint32_t v) {
+    if (visited[v] || degree[v] == kCap) return;
+    queue[++degree[v]].push_back(v);
+  };
+  const auto take = [&](std::uint32_t v) {
+    if (visited[v]) return;
+    visited[v] = 1;
+    known[v] = 1;
+    going = going && visit(v);
+    const std::uint32_t start = surface.vertex_corner[v];
+    std::uint32_t corner = start;
+    do {
+      const std::uint32_t next = nextCorner(corner);
+      const std::uint32_t previous = previousCorner(corner);
+      const std::uint32_t a = surface.corner_vertex[next];
+      const std::uint32_t b = surface.corner_vertex[previous];
+      // The vertex as base of the tip beyond its opposite edge, and as an end of the gates to either side.
+      if (known[a] & known[b]) gain(surface.corner_vertex[surface.opposite[corner]]);
+      const std::uint32_t beyond = surface.corner_vertex[surface.opposite[previous]];  // across the edge v-a
+      if (known[a] & known[b]) gain(beyond);
+      if (known[a] & known[beyond]) gain(b);
+      const std::uint32_t other = surface.corner_vertex[surface.opposite[next]];  // across the edge v-b
+      if (known[b] & known[a]) gain(other);
+      if (known[b] & known[other]) gain(a);
+      corner = nextCorner(surface.opposite[next]);
+    } while (corner != start);
+  };
+
+  for (std::uint32_t seed = 0; seed < surface.vertexCount() && going; ++seed) {
+    if (visited[seed]) continue;
+    const std::uint32_t corner = surface.vertex_corner[seed];
+    take(seed);
+    take(surface.corner_vertex[nextCorner(corner)]);
+    take(surface.corner_vertex[previousCorner(corner)]);
+    for (int d = kCap; d > 0 && going;) {
+      if (head[d] == queue[d].size()) {
+        --d;
+        continue;
+      }
+      const std::uint32_t v = queue[d][head[d]++];
+      if (visited[v] || degree[v] != d) continue;
+      take(v);
+      d = kCap;
+    }
+  }
+}
+
+}  // namespace tsc

@@ -1,0 +1,98 @@
+#include "output.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "checksum.h"
+
+namespace tsc {
+namespace {
+
+/// Little-endian, as glTF wants it.
+template <class T>
+void store(std::byte* to, T value) {
+  if constexpr (std::endian::native == std::endian::little) {
+    std::memcpy(to, &value, sizeof value);
+  } else {
+    std::byte bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    for (std::size_t i = 0; i < sizeof value; ++i) to[i] = bytes[sizeof value - 1 - i];
+  }
+}
+
+template <class T>
+Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t> numbers,
+                             std::span<const Vec3> positions, std::span<std::byte> output) {
+  const std::size_t stride = positionStride(header.position_type);
+  std::memset(output.data(), 0, output.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    for (int a = 0; a < 3; ++a) {
+      const std::int64_t value = header.anchor[a] + positions[numbers[i]][a];
+      if (value < std::numeric_limits<T>::min() || value > std::numeric_limits<T>::max()) {
+        return Error{ErrorCode::kInvalidCount, "integer position", 0, value, std::numeric_limits<T>::max()};
+      }
+      store(output.data() + i * stride + a * sizeof(T), static_cast<T>(value));
+    }
+  }
+  return {};
+}
+
+void writeFloatPositions(const Header& header, std::span<const std::uint32_t> numbers, std::span<const Vec3> positions,
+                         std::span<std::byte> output) {
+  const Lattice lattice(header);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const Vec3& q = positions[numbers[i]];
+    for (int a = 0; a < 3; ++a) store(output.data() + 12 * i + 4 * a, lattice.coordinate(q[a], a));
+  }
+}
+
+template <class T>
+void writeIndices(std::span<const std::uint32_t> indices, std::span<std::byte> output) {
+  for (std::size_t i = 0; i < indices.size(); ++i) store(output.data() + i * sizeof(T), static_cast<T>(indices[i]));
+}
+
+}  // namespace
+
+Lattice::Lattice(const Header& header) : fine_step_(std::ldexp(double{header.step}, -header.positions.fine_bits)) {
+  for (int a = 0; a < 3; ++a) {
+    origin_[a] = header.anchored ? 0 : double{header.origin[a]};
+    anchor_[a] = header.anchored ? std::ldexp(static_cast<double>(header.anchor[a]), header.positions.fine_bits) : 0;
+  }
+}
+
+Status writeOutputs(const Header& header, const Assignment& assignment, std::span<const Vec3> positions,
+                    std::span<const std::span<std::byte>> outputs) {
+  std::size_t next = 0;
+  for (const std::vector<std::uint32_t>& numbers : assignment.table_position) {
+    const std::span<std::byte> output = outputs[next++];
+    Status status;
+    switch (header.position_type) {
+      case ComponentType::kInt8: status = writeIntegerPositions<std::int8_t>(header, numbers, positions, output); break;
+      case ComponentType::kUint8: status = writeIntegerPositions<std::uint8_t>(header, numbers, positions, output); break;
+      case ComponentType::kInt16: status = writeIntegerPositions<std::int16_t>(header, numbers, positions, output); break;
+      case ComponentType::kUint16:
+        status = writeIntegerPositions<std::uint16_t>(header, numbers, positions, output);
+        break;
+      default: writeFloatPositions(header, numbers, positions, output);
+    }
+    if (status) return status;
+  }
+  for (std::size_t p = 0; p < assignment.primitive_indices.size(); ++p) {
+    const std::span<std::byte> output = outputs[next++];
+    switch (header.index_types[p]) {
+      case ComponentType::kUint8: writeIndices<std::uint8_t>(assignment.primitive_indices[p], output); break;
+      case ComponentType::kUint16: writeIndices<std::uint16_t>(assignment.primitive_indices[p], output); break;
+      default: writeIndices<std::uint32_t>(assignment.primitive_indices[p], output);
+    }
+  }
+  return {};
+}
+
+std::uint32_t checksumOf(std::span<const std::byte> header_bytes, std::span<const std::span<std::byte>> outputs) {
+  std::uint64_t hash = xxh64(header_bytes, 0);
+  for (const std::span<std::byte> output : outputs) hash = xxh64(output, hash);
+  return static_cast<std::uint32_t>(hash);
+}
+
+}  // namespace tsc

@@ -1,0 +1,36 @@
+// Decoded arrays and their checksum: the end of decoding, which the encoder does as well (BITSTREAM.md, section 8).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "assignment.h"
+#include "header.h"
+
+namespace tsc {
+
+/// Position of a lattice point in position units: computed in double, rounded once to float (section 6.1).
+class Lattice {
+ public:
+  explicit Lattice(const Header& header);
+  float coordinate(std::int32_t q, int axis) const {
+    return static_cast<float>(origin_[axis] + (static_cast<double>(q) + anchor_[axis]) * fine_step_);
+  }
+
+ private:
+  std::array<double, 3> origin_;
+  std::array<double, 3> anchor_;  ///< on the fine lattice
+  double fine_step_;
+};
+
+/// Fills the outputs, which have the sizes of `outputsOf(header)`. Error: kInvalidCount for an integer position out of its
+/// type's range.
+[[nodiscard]] Status writeOutputs(const Header& header, const Assignment& assignment,
+                                  std::span<const Vec3> positions, std::span<const std::span<std::byte>> outputs);
+
+/// Chained over the header's bytes and all outputs; the low 32 bits.
+std::uint32_t checksumOf(std::span<const std::byte> header_bytes, std::span<const std::span<std::byte>> outputs);
+
+}  // namespace tsc

@@ -1,0 +1,168 @@
+#include "connectivity.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "meshes.h"
+#include "surface_checks.h"
+
+namespace tsc {
+namespace {
+
+constexpr std::uint32_t kChecksum = 0x12345678;
+
+bool equal(const Surface& a, const Surface& b) {
+  return a.corner_vertex == b.corner_vertex && a.opposite == b.opposite && a.vertex_corner == b.vertex_corner &&
+         a.is_dummy == b.is_dummy;
+}
+
+struct Coded {
+  std::vector<std::byte> bytes;
+  double bits = 0;
+  Surface surface;
+};
+
+/// Encodes, decodes and compares.
+Coded roundTrip(const Surface& input) {
+  Coded coded;
+  EntropyWriter writer;
+  const ConnectivityOrder order = encodeConnectivity(input, writer, coded.surface);
+  coded.bits = writer.bitsSince(0);
+  writer.finish(kChecksum, coded.bytes);
+
+  Surface decoded;
+  EntropyReader reader(coded.bytes);
+  const Status status = decodeConnectivity(reader, input.faceCount(), input.vertexCount(), decoded);
+  EXPECT_FALSE(status);
+  EXPECT_TRUE(reader.atEnd());
+  EXPECT_EQ(reader.state(), kCoderStateMin + kChecksum);
+  EXPECT_TRUE(equal(decoded, coded.surface));
+  expectClosedManifold(decoded);
+
+  // The order is a bijection that carries the decoded surface onto the input.
+  EXPECT_EQ(order.vertex.size(), input.vertexCount());
+  EXPECT_EQ(order.corner.size(), input.faceCount());
+  if (order.vertex.size() != input.vertexCount() || order.corner.size() != input.faceCount()) return coded;
+  std::vector<std::uint8_t> is_met(input.vertexCount(), 0);
+  for (std::uint32_t v = 0; v < input.vertexCount(); ++v) {
+    EXPECT_EQ(is_met[order.vertex[v]]++, 0);
+    EXPECT_EQ(decoded.is_dummy[v], input.is_dummy[order.vertex[v]]);
+  }
+  std::vector<std::uint32_t> input_corner;
+  for (const std::uint32_t first : order.corner) {
+    input_corner.insert(input_corner.end(), {first, nextCorner(first), previousCorner(first)});
+  }
+  for (std::uint32_t c = 0; c < input_corner.size(); ++c) {
+    EXPECT_EQ(order.vertex[decoded.corner_vertex[c]], input.corner_vertex[input_corner[c]]);
+    EXPECT_EQ(input_corner[decoded.opposite[c]], input.opposite[input_corner[c]]);
+  }
+  return coded;
+}
+
+Coded roundTrip(const meshes::Triangles& mesh) {
+  return roundTrip(cutToManifold(mesh.positions, mesh.indices).surface);
+}
+
+TEST(Connectivity, Samples) {
+  for (const auto& [name, mesh] : meshes::samples()) {
+    SCOPED_TRACE(name);
+    roundTrip(mesh);
+  }
+}
+
+TEST(Connectivity, RandomSoups) {
+  for (std::uint32_t seed = 0; seed < 3000 && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    roundTrip(meshes::soup(3 + seed % 50, 1 + seed * 11 % 300, seed));
+  }
+}
+
+TEST(Connectivity, RandomSurfaces) {
+  for (std::uint32_t seed = 0; seed < 300 && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    const meshes::Triangles torus = meshes::torus(3 + seed % 20, 3 + seed * 5 % 17);
+    roundTrip(meshes::perforated(meshes::shuffledDegrees(torus, seed * 10, seed), 0.001 * seed, seed));
+  }
+}
+
+TEST(Connectivity, RegularTorusIsNearlyFree) {
+  const meshes::Triangles mesh = meshes::torus(100, 100);
+  EXPECT_LT(roundTrip(mesh).bits, 0.05 * mesh.vertexCount());
+}
+
+TEST(Connectivity, LooseTrianglesCostFewBits) {
+  EXPECT_LT(roundTrip(meshes::repeated(meshes::triangle(), 5000)).bits, 0.5 * 5000);
+}
+
+TEST(Connectivity, NewVerticesHaveTheirGateAtCornerZero) {
+  const Surface surface = roundTrip(meshes::perforated(meshes::torus(20, 20), 0.1, 1)).surface;
+  std::uint32_t starts = 0;
+  for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
+    const std::uint32_t corner = surface.vertex_corner[v];
+    if (corner % 3 != 0) {
+      ++starts;
+      continue;
+    }
+    for (const std::uint32_t other : {nextCorner(corner), previousCorner(corner)}) {
+      const std::uint32_t neighbour = surface.corner_vertex[other];
+      // A start's first vertex has its companions after it.
+      EXPECT_TRUE(neighbour < v || neighbour <= v + 2);
+    }
+  }
+  EXPECT_LT(starts, 20u);
+}
+
+TEST(Connectivity, RefusesOtherCounts) {
+  const Coded coded = roundTrip(meshes::sphere(9, 14));
+  const std::uint32_t faces = coded.surface.faceCount();
+  const std::uint32_t vertices = coded.surface.vertexCount();
+  for (const auto& [f, v] : {std::pair{faces - 1, vertices}, {faces + 1, vertices}, {faces, vertices - 1},
+                             {faces, vertices + 1}, {0u, vertices}, {faces, 0u}, {0xffffffffu, vertices}}) {
+    Surface surface;
+    EntropyReader reader(coded.bytes);
+    const Status status = decodeConnectivity(reader, f, v, surface);
+    EXPECT_TRUE(status) << f << " faces, " << v << " vertices";
+  }
+}
+
+TEST(Connectivity, DamagedStreamsNeverCrash) {
+  const Coded coded = roundTrip(meshes::perforated(meshes::shuffledDegrees(meshes::torus(12, 9), 200, 3), 0.2, 4));
+  for (std::size_t bit = 0; bit < 8 * coded.bytes.size(); ++bit) {
+    std::vector<std::byte> damaged = coded.bytes;
+    damaged[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
+    Surface surface;
+    EntropyReader reader(damaged);
+    const Status status =
+        decodeConnectivity(reader, coded.surface.faceCount(), coded.surface.vertexCount(), surface);
+    if (!status) {
+      EXPECT_EQ(surface.faceCount(), coded.surface.faceCount());
+    }
+  }
+  for (std::size_t length = 0; length < coded.bytes.size(); ++length) {
+    Surface surface;
+    EntropyReader reader(std::span(coded.bytes).first(length));
+    const Status status =
+        decodeConnectivity(reader, coded.surface.faceCount(), coded.surface.vertexCount(), surface);
+    EXPECT_TRUE(status || !reader.atEnd() || reader.state() != kCoderStateMin + kChecksum);
+  }
+}
+
+TEST(Connectivity, RandomBytesNeverCrash) {
+  std::mt19937 random(7);
+  for (int run = 0; run < 6000; ++run) {
+    std::vector<std::byte> bytes(8 + random() % 200);
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(run % 3 == 0 ? random() % 16 : random());
+    const std::uint32_t faces = run % 16 == 0 ? random() : random() % 300;
+    const std::uint32_t vertices = run % 16 == 0 ? random() : random() % 200;
+    Surface surface;
+    EntropyReader reader(bytes);
+    const Status status = decodeConnectivity(reader, faces, vertices, surface);
+    if (status || faces == 0) continue;
+    for (const std::uint32_t corner : surface.opposite) ASSERT_LT(corner, 3 * faces);
+    for (const std::uint32_t vertex : surface.corner_vertex) ASSERT_LT(vertex, vertices);
+  }
+}
+
+}  // namespace
+}  // namespace tsc
