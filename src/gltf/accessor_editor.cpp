@@ -1,0 +1,142 @@
+// See accessor_editor.h.
+#include "accessor_editor.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+#include "fault.h"
+#include "json_document.h"
+
+namespace tsc {
+namespace {
+
+constexpr int kArrayBuffer = 34962;
+constexpr int kElementArrayBuffer = 34963;
+
+std::size_t roundUp(std::size_t value, std::size_t multiple) { return (value + multiple - 1) / multiple * multiple; }
+
+/// Writes an offset, leaving out what is the default and was not there.
+void setOffset(Json& holder, std::uint64_t offset) {
+  if (offset != 0 || holder.contains("byteOffset")) holder["byteOffset"] = offset;
+}
+
+}  // namespace
+
+std::size_t AccessorEditor::claim(std::size_t old) {
+  if (taken_.insert(old).second) return old;
+  return add(original_.document["accessors"][old]);
+}
+
+std::size_t AccessorEditor::add(Json accessor) {
+  Json& accessors = asset_.document["accessors"];
+  accessors.push_back(std::move(accessor));
+  return accessors.size() - 1;
+}
+
+std::uint64_t AccessorEditor::pool(PoolKind kind, std::size_t stride) {
+  const auto [entry, added] = pools_.emplace(std::pair(kind, stride), 0);
+  if (added) {
+    Json properties = Json::object();
+    if (kind == PoolKind::kAttributes) {
+      properties["byteStride"] = stride;
+      properties["target"] = kArrayBuffer;
+    } else if (kind == PoolKind::kIndices) {
+      properties["target"] = kElementArrayBuffer;
+    }
+    entry->second = buffers_.add(std::move(properties));
+  }
+  return entry->second;
+}
+
+void AccessorEditor::setView(std::size_t accessor, std::uint64_t view, std::uint64_t offset) {
+  Json& entry = json(accessor);
+  entry["bufferView"] = view;
+  setOffset(entry, offset);
+  entry.erase("sparse");
+}
+
+void AccessorEditor::storeElements(std::size_t accessor, std::span<const std::byte> elements,
+                                   std::size_t element_bytes) {
+  const std::size_t stride = roundUp(element_bytes, 4);
+  const std::uint64_t view = pool(PoolKind::kAttributes, stride);
+  std::vector<std::byte>& bytes = buffers_.bytes(view);
+  const std::size_t offset = bytes.size();
+  const std::size_t count = elements.size() / element_bytes;
+  bytes.resize(offset + count * stride);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::memcpy(bytes.data() + offset + i * stride, elements.data() + i * element_bytes, element_bytes);
+  }
+  attribute_bytes_ += count * stride;
+  Json& entry = json(accessor);
+  entry["bufferView"] = view;
+  setOffset(entry, offset);
+}
+
+void AccessorEditor::reorderSparse(std::size_t accessor, const AccessorInfo& info,
+                                   std::span<const std::uint32_t> order) {
+  std::vector<std::uint32_t> new_index(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) new_index[order[i]] = static_cast<std::uint32_t>(i);
+  const SparseInfo old = data_.sparse(info);
+  std::vector<std::size_t> rank(old.indices.size());
+  std::iota(rank.begin(), rank.end(), std::size_t{0});
+  // Stable, so that of values given twice for one vertex the last still wins.
+  std::stable_sort(rank.begin(), rank.end(),
+                   [&](std::size_t a, std::size_t b) { return new_index[old.indices[a]] < new_index[old.indices[b]]; });
+  std::vector<std::uint32_t> indices;
+  std::vector<std::byte> values(old.values.size());
+  for (std::size_t i = 0; i < rank.size(); ++i) {
+    indices.push_back(new_index[old.indices[rank[i]]]);
+    std::memcpy(values.data() + i * info.element_bytes, old.values.data() + rank[i] * info.element_bytes,
+                info.element_bytes);
+  }
+  const std::uint64_t view = pool(PoolKind::kSparse, 0);
+  Json& sparse = json(accessor)["sparse"];
+  const auto store = [&](const char* part, std::span<const std::byte> data) {
+    std::vector<std::byte>& bytes = buffers_.bytes(view);
+    bytes.resize(roundUp(bytes.size(), 4));
+    const std::size_t offset = bytes.size();
+    bytes.insert(bytes.end(), data.begin(), data.end());
+    attribute_bytes_ += data.size();
+    sparse[part]["bufferView"] = view;
+    setOffset(sparse[part], offset);
+  };
+  store("indices", writeUnsigned(indices, glTypeBytes(old.index_type, "")));
+  store("values", values);
+}
+
+std::size_t AccessorEditor::reorder(std::size_t old, std::span<const std::uint32_t> order) {
+  const AccessorInfo info = data_.accessor(old);
+  const bool has_data = info.view || info.sparse || data_.hasOverlay(old);
+  if (!has_data) return old;  // all zeros, in any order
+  const std::size_t accessor = claim(old);
+  if (info.view || data_.hasOverlay(old)) {
+    const std::vector<std::byte> base = data_.baseElements(info);
+    std::vector<std::byte> reordered(order.size() * info.element_bytes);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      std::memcpy(reordered.data() + i * info.element_bytes, base.data() + order[i] * info.element_bytes,
+                  info.element_bytes);
+    }
+    storeElements(accessor, reordered, info.element_bytes);
+    if (data_.hasOverlay(old)) json(accessor)["count"] = info.count;
+  }
+  if (info.sparse) reorderSparse(accessor, info, order);
+  return accessor;
+}
+
+void AccessorEditor::setIndices(std::size_t accessor, std::span<const std::uint32_t> indices,
+                                std::uint32_t component_type) {
+  const std::size_t component_bytes = glTypeBytes(component_type, "");
+  const std::uint64_t view = pool(PoolKind::kIndices, component_bytes);
+  std::vector<std::byte>& bytes = buffers_.bytes(view);
+  const std::size_t offset = bytes.size();
+  const std::vector<std::byte> data = writeUnsigned(indices, component_bytes);
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  setView(accessor, view, offset);
+  Json& entry = json(accessor);
+  entry["componentType"] = component_type;
+  entry["count"] = indices.size();
+  entry["type"] = "SCALAR";
+}
+
+}  // namespace tsc
