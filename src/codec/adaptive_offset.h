@@ -1,8 +1,9 @@
 // A correction of the average prediction that learns on the way (BITSTREAM.md, section 6.5).
 //
 // For each component of the local frame, the correction is a weighted sum of features that both sides know: how far the
-// neighbours were from their own predictions, how the candidates disagree, the shape of the base triangle, and valences.
-// The weights move by a fixed step in the direction that would have made the last error smaller (sign-sign LMS).
+// neighbours were from their own predictions, how the candidates disagree, the shape of the base triangle, and
+// valences. The weights move by a fixed step in the direction that would have made the last error smaller (sign-sign
+// LMS).
 #pragma once
 
 #include <algorithm>
@@ -16,45 +17,39 @@
 namespace tsc {
 
 inline constexpr int kFeatures = 8;
-inline constexpr int kFeatureBits = 13;   // the largest feature component is scaled to this many bits
+inline constexpr int kFeatureBits = 12;  // the largest feature component is scaled to this many bits
 inline constexpr int kWeightBits = 13;
 inline constexpr int kWeightStep = 16;
-inline constexpr int kWeightLimit = 32000;
+inline constexpr int kWeightLimit = 8000;
+inline constexpr std::int16_t kFactorOne = 4;  // factors count quarters
+inline constexpr int kFactorLimit = 12;
 
 /// Feature vectors on the fine lattice, one a lane.
 struct Features {
-  std::array<std::int32_t, kFeatures> x{};
-  std::array<std::int32_t, kFeatures> y{};
-  std::array<std::int32_t, kFeatures> z{};
-
-  void set(int lane, const Vec3& v) {
-    x[lane] = v.x;
-    y[lane] = v.y;
-    z[lane] = v.z;
-  }
+  WideLanes x;
+  WideLanes y;
+  WideLanes z;
+  Lanes factor;  ///< each lane's factor, in quarters, within +-kFactorLimit
 };
 
-/// Features in the frame, scaled by 2^(scale - 2).
+/// Features in the frame, times their factors, scaled by 2^scale.
 struct LocalFeatures {
   Lanes component[3];
   int scale = 0;
 };
 
 inline LocalFeatures toLocal(const Frame& frame, const Features& features) {
-  std::uint32_t bits = 0;
-  for (int i = 0; i < kFeatures; ++i) {
-    bits |= static_cast<std::uint32_t>((features.x[i] ^ features.x[i] >> 31) | (features.y[i] ^ features.y[i] >> 31) |
-                                       (features.z[i] ^ features.z[i] >> 31));
-  }
   LocalFeatures local;
-  local.scale = kFeatureBits - std::bit_width(bits);
-  const Lanes x = narrowed(features.x.data(), local.scale);
-  const Lanes y = narrowed(features.y.data(), local.scale);
-  const Lanes z = narrowed(features.z.data(), local.scale);
+  local.scale = kFeatureBits - std::bit_width(magnitudeBits(features.x, features.y, features.z));
+  const Lanes x = narrowed(features.x, local.scale);
+  const Lanes y = narrowed(features.y, local.scale);
+  const Lanes z = narrowed(features.z, local.scale);
   const auto project = [&](const Vec3& axis) {
-    return multiplyHigh(x, splat(static_cast<std::int16_t>(axis.x))) +
-           multiplyHigh(y, splat(static_cast<std::int16_t>(axis.y))) +
-           multiplyHigh(z, splat(static_cast<std::int16_t>(axis.z)));
+    // Below 2^12 * sqrt(3) * 2^-2 by a factor of at most 12: within 16 bits.
+    return (multiplyHigh(x, splat(static_cast<std::int16_t>(axis.x))) +
+            multiplyHigh(y, splat(static_cast<std::int16_t>(axis.y))) +
+            multiplyHigh(z, splat(static_cast<std::int16_t>(axis.z)))) *
+           features.factor;
   };
   local.component[0] = project(frame.normal);
   local.component[1] = project(frame.first);
@@ -65,22 +60,21 @@ inline LocalFeatures toLocal(const Frame& frame, const Features& features) {
 class AdaptiveOffset {
  public:
   /// Correction of each component, on the fine lattice.
-  WideVec3 offset(const LocalFeatures& features) const {
-    WideVec3 result;
-    const int shift = kWeightBits - 2 + features.scale;
+  std::array<std::int64_t, 3> offset(const LocalFeatures& features) const {
+    std::array<std::int64_t, 3> result;
+    const int shift = kWeightBits + features.scale;  // the frame's 2^-2 and the factors' 2^2 cancel
     for (int a = 0; a < 3; ++a) {
-      const std::int32_t sum = dotProduct(weights_[a], features.component[a]);  // 8 products below 2^15 * 2^12
+      const std::int32_t sum = dotProduct(weights_[a], features.component[a]);  // 8 products below 2^13 * 2^15
       const std::int64_t value = shift > 0 ? (std::int64_t{sum} + (std::int64_t{1} << (shift - 1))) >> shift
                                            : std::int64_t{sum} * (std::int64_t{1} << -shift);
-      result[a] = std::clamp<std::int64_t>(value, -kOffsetLimit, kOffsetLimit);
+      result[a] = std::abs(value) <= kOffsetLimit ? value : value < 0 ? -kOffsetLimit : kOffsetLimit;
     }
     return result;
   }
 
   /// Learns from the sign of what the correction left over in component `a`.
   void learn(int a, const LocalFeatures& features, std::int32_t residual) {
-    if (residual == 0) return;
-    const Lanes step = splat(residual > 0 ? kWeightStep : -kWeightStep);
+    const Lanes step = splat(static_cast<std::int16_t>(kWeightStep * ((residual > 0) - (residual < 0))));
     const Lanes f = features.component[a];
     const Lanes w = weights_[a];
     const Lanes moved = w + (greater(f, Lanes{}) & step) - (greater(Lanes{}, f) & step);

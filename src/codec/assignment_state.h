@@ -44,14 +44,14 @@ struct AssignmentState {
   const AssignmentInput* input;  ///< null when reading
   AssignmentOrder* order;        ///< null when reading
 
-  std::vector<std::uint32_t> face_primitive = {};      ///< per surface face; kNone for dummy faces
-  std::vector<std::uint32_t> unused_faces = {};        ///< per primitive: faces it still needs
+  std::vector<std::uint32_t> face_primitive = {};  ///< per surface face; kNone for dummy faces
+  std::vector<std::uint32_t> unused_faces = {};    ///< per primitive: faces it still needs
   std::uint32_t real_face_count = 0;
   // Not kept with one vertex per position: table vertex, id and position are then the same number.
-  std::vector<std::uint32_t> corner_id = {};           ///< per surface corner: id of its vertex, kNone while unknown
-  std::vector<Vertex> vertices = {};                   ///< by id
-  std::vector<std::uint32_t> newest = {};              ///< per position: id of the last vertex created there
-  std::vector<std::vector<std::uint32_t>> ids = {};    ///< per table, by index
+  std::vector<std::uint32_t> corner_id = {};         ///< per surface corner: id of its vertex, kNone while unknown
+  std::vector<Vertex> vertices = {};                 ///< by id
+  std::vector<std::uint32_t> newest = {};            ///< per position: id of the last vertex created there
+  std::vector<std::vector<std::uint32_t>> ids = {};  ///< per table, by index
   std::vector<std::vector<std::uint32_t>> decoded_index = {};  ///< writing: per table and input vertex, or kNone
   std::vector<std::uint32_t> welded_position = {};             ///< writing: the input's, and extra positions
 

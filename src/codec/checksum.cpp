@@ -24,9 +24,7 @@ std::uint64_t load(const std::byte* p) {
   return word;
 }
 
-std::uint64_t round(std::uint64_t lane, std::uint64_t input) {
-  return std::rotl(lane + input * kPrime2, 31) * kPrime1;
-}
+std::uint64_t round(std::uint64_t lane, std::uint64_t input) { return std::rotl(lane + input * kPrime2, 31) * kPrime1; }
 
 std::uint64_t merge(std::uint64_t hash, std::uint64_t lane) { return (hash ^ round(0, lane)) * kPrime1 + kPrime4; }
 
@@ -45,7 +43,8 @@ std::uint64_t xxh64(std::span<const std::byte> bytes, std::uint64_t seed) {
     for (const std::uint64_t lane : lanes) hash = merge(hash, lane);
   }
   hash += bytes.size();
-  for (; left >= 8; p += 8, left -= 8) hash = std::rotl(hash ^ round(0, load<std::uint64_t>(p)), 27) * kPrime1 + kPrime4;
+  for (; left >= 8; p += 8, left -= 8)
+    hash = std::rotl(hash ^ round(0, load<std::uint64_t>(p)), 27) * kPrime1 + kPrime4;
   if (left >= 4) {
     hash = std::rotl(hash ^ load<std::uint32_t>(p) * kPrime1, 23) * kPrime2 + kPrime3;
     p += 4;

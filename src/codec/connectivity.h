@@ -23,7 +23,8 @@ struct ConnectivityOrder {
 ConnectivityOrder encodeConnectivity(const Surface& surface, EntropyWriter& writer, Surface& decoded);
 
 /// Decodes a surface of exactly `face_count` faces (dummy ones included) and `vertex_count` vertices (dummies
-/// included), the counts of the header. Linear time and memory in these counts whatever the stream says.
+/// included), the counts of the header. Linear time; memory for 2^18 faces, of which only what is used is touched, then
+/// at most twice what the stream has given so far, whatever the header says.
 /// Errors: kTruncated, kInvalidSymbol, kInvalidCount.
 [[nodiscard]] Status decodeConnectivity(EntropyReader& reader, std::uint32_t face_count, std::uint32_t vertex_count,
                                         Surface& surface);

@@ -10,27 +10,30 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <memory>
 #include <vector>
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
 
 #include "entropy.h"
+#include "lanes.h"
 
 namespace tsc {
 
-/// Lane s > 0: cumulative frequency below symbol s, times 2^-15. Lane 0: updates so far, capped; 0 in a fresh table.
-using CumulativeLanes [[gnu::vector_size(32)]] = std::int16_t;
+/// Lane s > 0: cumulative frequency below symbol s, times 2^-15. Lane 0: the table's age, which grows with each update
+/// from 1 or more towards 2^15 - 1; 0 in a fresh table.
+struct alignas(32) CumulativeTable {
+  std::int16_t lanes[16] = {};
 
-/// Lanes towards which a table moves when `symbol` is coded: every symbol has frequency 1 and `symbol` the rest.
-struct alignas(32) LaneTargets {
-  std::int16_t lanes[16][16];
+  Lanes low() const { return loadLanes(std::assume_aligned<16>(lanes)); }
+  Lanes high() const { return loadLanes(std::assume_aligned<16>(lanes + 8)); }
 };
-inline constexpr LaneTargets kLaneTargets = [] {
-  LaneTargets targets{};
+
+/// Where a table moves when `symbol` is coded: every symbol has frequency 1 and `symbol` the rest.
+inline constexpr std::array<CumulativeTable, 16> kTableTargets = [] {
+  std::array<CumulativeTable, 16> targets{};
   for (int symbol = 0; symbol < 16; ++symbol) {
+    targets[symbol].lanes[0] = 32767;
     for (int s = 1; s < 16; ++s) {
-      targets.lanes[symbol][s] =
+      targets[symbol].lanes[s] =
           static_cast<std::int16_t>(s + (s > symbol ? static_cast<int>(kProbabilityOne) - 16 : 0));
     }
   }
@@ -49,9 +52,10 @@ class AveragedModel {
   /// `prior` is the distribution before anything is known: cumulative frequencies below each symbol, `prior[0]` = 0.
   /// Tables for about `symbol_count` symbols.
   AveragedModel(const std::array<std::int16_t, 16>& prior, std::uint32_t symbol_count)
-      : table_bits_(std::clamp(static_cast<int>(std::bit_width(symbol_count)), kMinTableBits, kMaxTableBits)),
-        tables_(kParentCount + (std::size_t{2} << table_bits_)) {
-    for (int s = 0; s < 16; ++s) prior_[s] = prior[s];
+      : hash_shift_(32 - std::clamp(static_cast<int>(std::bit_width(symbol_count)), kMinTableBits, kMaxTableBits)),
+        tables_(kParentCount + (std::size_t{2} << (32 - hash_shift_))) {
+    std::copy(prior.begin(), prior.end(), prior_.lanes);
+    prior_.lanes[0] = kPriorAge;
   }
 
   void put(EntropyWriter& writer, const Context& context, std::uint32_t symbol) {
@@ -73,101 +77,83 @@ class AveragedModel {
 
  private:
   static constexpr int kMinTableBits = 6;
-  static constexpr int kMaxTableBits = 13;
-  // A table counts its updates, up to kCountCap; a prior and a copy start at the counts below. The first updates go
-  // 2^-3 of the way, later ones 2^-4 .. 2^-7.
-  static constexpr int kPriorCount = 4;
-  static constexpr int kCopyCount = 1;
-  static constexpr int kCountCap = 250;
-  static constexpr auto kRates = [] {
-    std::array<std::uint8_t, kCountCap + 1> rates{};
-    for (int count = 0; count <= kCountCap; ++count) {
-      rates[static_cast<std::size_t>(count)] =
-          static_cast<std::uint8_t>(3 + (count >= 6) + (count >= 20) + (count >= 80) + (count >= 250));
+  static constexpr int kMaxTableBits = 12;
+  /// Ages at which a prior and a copy start.
+  static constexpr std::int16_t kPriorAge = 13000;
+  static constexpr std::int16_t kCopyAge = 4096;
+  /// Updates go 2^-rate of the way; the rate by the table's age / 2^8. After about 6, 20, 80 and 250 updates it grows.
+  static constexpr std::array<std::uint8_t, 128> kRates = [] {
+    std::array<std::uint8_t, 128> rates{};
+    for (int age = 0; age < 128; ++age) {
+      rates[static_cast<std::size_t>(age)] =
+          static_cast<std::uint8_t>(3 + (age >= 70) + (age >= 104) + (age >= 124) + (age >= 127));
     }
     return rates;
   }();
 
-  struct alignas(32) Table {
-    CumulativeLanes lanes;
-  };
-
   struct Chosen {
-    Table* parent;
-    Table* first;
-    Table* second;
+    CumulativeTable* parent;
+    CumulativeTable* first;
+    CumulativeTable* second;
   };
 
   /// Frequencies stay positive: two neighbouring lanes differ by at least 1 in both tables, so their sums do by 2.
   struct Average {
-    using Unsigned [[gnu::vector_size(32)]] = std::uint16_t;
-
-    Average(const Table& a, const Table& b) {
-      constexpr Unsigned kAllButCount = {0,      0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff,
-                                         0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff};
-      lanes = (((Unsigned)a.lanes + (Unsigned)b.lanes) >> 1) & kAllButCount;
-      __builtin_memcpy(below, &lanes, sizeof(lanes));
+    Average(const CumulativeTable& a, const CumulativeTable& b) {
+      constexpr Lanes kAllButAge = {0, -1, -1, -1, -1, -1, -1, -1};
+      low = halfSum(a.low(), b.low()) & kAllButAge;
+      high = halfSum(a.high(), b.high());
+      std::memcpy(below, &low, sizeof low);
+      std::memcpy(below + 8, &high, sizeof high);
       below[16] = kProbabilityOne;
     }
 
     std::uint32_t find(std::uint32_t slot) const {
-#if defined(__SSE2__)
-      // All values are below 2^15, so signed comparison is right.
-      const __m128i wanted = _mm_set1_epi16(static_cast<short>(slot));
-      const __m128i* halves = reinterpret_cast<const __m128i*>(&lanes);
-      const __m128i above = _mm_packs_epi16(_mm_cmpgt_epi16(halves[0], wanted), _mm_cmpgt_epi16(halves[1], wanted));
-      const auto mask = static_cast<std::uint32_t>(_mm_movemask_epi8(above)) | 0x10000;
-      return static_cast<std::uint32_t>(std::countr_zero(mask)) - 1;
-#else
-      std::uint32_t symbol = 0;
-      for (int s = 1; s < 16; ++s) symbol += lanes[s] <= slot;
-      return symbol;
-#endif
+      return static_cast<std::uint32_t>(countNotAbove(low, high, static_cast<std::int16_t>(slot))) - 1;
     }
 
-    Unsigned lanes;
+    static Lanes halfSum(Lanes a, Lanes b) { return (Lanes)(((UnsignedLanes)a + (UnsignedLanes)b) >> 1); }
+
+    Lanes low, high;
     alignas(32) std::uint16_t below[17];
   };
 
   Chosen choose(const Context& context) {
-    Table* const parent = &tables_[context.parent];
-    Table* const first = &tables_[kParentCount + hash(context.first)];
-    Table* const second = &tables_[kParentCount + (std::size_t{1} << table_bits_) + hash(context.second)];
-    if (parent->lanes[0] == 0) [[unlikely]] {
-      parent->lanes = prior_;
-      parent->lanes[0] = kPriorCount;
-    }
-    for (Table* table : {first, second}) {
-      if (table->lanes[0] != 0) continue;
-      table->lanes = parent->lanes;
-      table->lanes[0] = kCopyCount;
+    CumulativeTable* const parent = &tables_[context.parent];
+    CumulativeTable* const first = &tables_[kParentCount + 2 * hash(context.first)];
+    CumulativeTable* const second = &tables_[kParentCount + 2 * hash(context.second) + 1];
+    if (parent->lanes[0] == 0) [[unlikely]] *parent = prior_;
+    for (CumulativeTable* table : {first, second}) {
+      if (table->lanes[0] != 0) [[likely]] continue;
+      *table = *parent;
+      table->lanes[0] = kCopyAge;
     }
     return {parent, first, second};
   }
 
-  std::uint32_t hash(std::uint32_t context) const { return (context * 0x9e3779b1u) >> (32 - table_bits_); }
+  std::size_t hash(std::uint32_t context) const { return (context * 0x9e3779b1u) >> hash_shift_; }
 
   /// Moves each lane by 2^-rate of its way. Two neighbouring lanes at distance d >= 1 whose targets are at distance
   /// e >= 1 end at distance >= d + floor((e - d) / 2^rate) >= 1, so no frequency reaches 0.
-  static void updateTable(Table& table, std::uint32_t symbol) {
-    const int count = table.lanes[0];
-    const std::int16_t rate = kRates[static_cast<std::size_t>(count)];
-    CumulativeLanes lanes;
-    __builtin_memcpy(&lanes, kLaneTargets.lanes[symbol], sizeof(lanes));
-    lanes = table.lanes + ((lanes - table.lanes) >> rate);
-    lanes[0] = static_cast<std::int16_t>(std::min(count + 1, kCountCap));
-    table.lanes = lanes;
+  static void updateTable(CumulativeTable& table, Lanes low_target, Lanes high_target) {
+    const int rate = kRates[static_cast<std::size_t>(table.lanes[0] >> 8)];
+    const Lanes low = table.low();
+    const Lanes high = table.high();
+    storeLanes(table.lanes, low + shiftRight(low_target - low, rate));
+    storeLanes(table.lanes + 8, high + shiftRight(high_target - high, rate));
   }
 
   static void update(const Chosen& chosen, std::uint32_t symbol) {
-    updateTable(*chosen.parent, symbol);
-    updateTable(*chosen.first, symbol);
-    updateTable(*chosen.second, symbol);
+    const Lanes low = kTableTargets[symbol].low();
+    const Lanes high = kTableTargets[symbol].high();
+    for (CumulativeTable* table : {chosen.parent, chosen.first, chosen.second}) updateTable(*table, low, high);
   }
 
-  CumulativeLanes prior_ = {};
-  int table_bits_;
-  std::vector<Table> tables_;
+  static Lanes shiftRight(Lanes lanes, int count) { return lanes >> static_cast<std::int16_t>(count); }
+
+  CumulativeTable prior_;
+  int hash_shift_;  ///< the highest bits of a hash number the tables
+  std::vector<CumulativeTable> tables_;  ///< parents; then first and second ones by turns
 };
 
 }  // namespace tsc

@@ -17,9 +17,9 @@ namespace {
 
 // Cosines between the normals of two faces, in units of 2^-10, that separate the bends.
 constexpr int kCosineBits = 10;
-constexpr std::int32_t kFlat = 1004;    // 0.98
-constexpr std::int32_t kCurved = 922;   // 0.9
-constexpr std::int32_t kSharp = 717;    // 0.7
+constexpr std::int32_t kFlat = 1004;   // 0.98
+constexpr std::int32_t kCurved = 922;  // 0.9
+constexpr std::int32_t kSharp = 717;   // 0.7
 
 /// Largest component below 2^14 in magnitude or equal, so that products of two normals fit 32 bits. Zero for a face
 /// without area, which bends nothing.
@@ -37,9 +37,9 @@ WideVec3 crossProduct(const WideVec3& a, const WideVec3& b) {
 struct FanCorner {
   std::uint32_t corner;
   std::uint32_t primitive;
-  std::uint32_t edge;     ///< EdgeState of the edge from the corner before it
-  std::uint32_t bend;     ///< of the surface at that edge, 0..3
-  bool adjacent;          ///< no dummy faces in between
+  std::uint32_t edge;  ///< EdgeState of the edge from the corner before it
+  std::uint32_t bend;  ///< of the surface at that edge, 0..3
+  bool adjacent;       ///< no dummy faces in between
 };
 
 enum EdgeState : std::uint32_t { kUnknown, kSmooth, kSeam };
@@ -102,8 +102,8 @@ class CornerCoder {
       const WideVec3 scaled = scaledTo(cross, kNormalBits);
       normals_[f].direction = {static_cast<std::int16_t>(scaled.x), static_cast<std::int16_t>(scaled.y),
                                static_cast<std::int16_t>(scaled.z)};
-      normals_[f].length = static_cast<std::int16_t>(
-          integerSqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z));
+      normals_[f].length =
+          static_cast<std::int16_t>(integerSqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z));
     }
   }
 
@@ -191,7 +191,8 @@ class CornerCoder {
     }
     const bool has_vertices = state_.newest[position] != kNone;
     single = state_.direction.bit(single_[std::min(fan_.seams, 3u)][std::min(fan_.smooth, 2u)][fan_.at_boundary]
-                                         [fan_.primitives_differ][has_vertices][fan_.bend], single);
+                                         [fan_.primitives_differ][has_vertices][fan_.bend],
+                                  single);
     if (!single) return walk(position);
 
     std::uint32_t id = kNone;

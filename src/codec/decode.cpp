@@ -82,21 +82,23 @@ Result<StreamInfo> readStreamInfo(std::span<const std::byte> stream, const Decod
   if (Status s = readHeader(stream, limits, header, size)) return *s;
   StreamInfo info;
   const PositionParameters& p = header.positions;
-  info.modes = {p.mode, p.basis, p.predictor, p.order, header.effort, p.normal_scale, double{header.step}};
+  info.modes = {p.mode, p.basis, p.predictor, p.order, p.effort, p.normal_scale, double{header.step}};
   info.outputs = outputsOf(header);
   return info;
 }
 
 Status decode(std::span<const std::byte> stream, std::span<const std::span<std::byte>> outputs,
               const DecodeLimits& limits) {
-  return decodeStream(stream, limits, [&](std::span<const OutputInfo>) { return outputs; }, outputs);
+  return decodeStream(
+      stream, limits, [&](std::span<const OutputInfo>) { return outputs; }, outputs);
 }
 
 Result<std::vector<std::vector<std::byte>>> decode(std::span<const std::byte> stream, const DecodeLimits& limits) {
   std::vector<std::vector<std::byte>> outputs;
   std::vector<std::span<std::byte>> spans;
   const auto allocate = [&](std::span<const OutputInfo> infos) {
-    for (const OutputInfo& info : infos) spans.emplace_back(outputs.emplace_back(static_cast<std::size_t>(info.byte_length)));
+    for (const OutputInfo& info : infos)
+      spans.emplace_back(outputs.emplace_back(static_cast<std::size_t>(info.byte_length)));
     return std::span<const std::span<std::byte>>(spans);
   };
   if (Status s = decodeStream(stream, limits, allocate, {})) return *s;

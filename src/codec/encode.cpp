@@ -1,5 +1,5 @@
-// Encoding: the stages of decode.cpp run the other way, the search for the best way to code the positions, and the check of
-// the result.
+// Encoding: the stages of decode.cpp run the other way, the search for the best way to code the positions, and the
+// check of the result.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -48,10 +48,14 @@ struct IntegerRange {
 /// Values of an integer position type; all of them are floats too.
 IntegerRange rangeOf(ComponentType type) {
   switch (type) {
-    case ComponentType::kInt8: return {-128, 127};
-    case ComponentType::kUint8: return {0, 255};
-    case ComponentType::kInt16: return {-32768, 32767};
-    default: return {0, 65535};
+    case ComponentType::kInt8:
+      return {-128, 127};
+    case ComponentType::kUint8:
+      return {0, 255};
+    case ComponentType::kInt16:
+      return {-32768, 32767};
+    default:
+      return {0, 65535};
   }
 }
 
@@ -80,7 +84,8 @@ Status checkMesh(const Mesh& mesh) {
       return bad("table of primitive", primitive.table, static_cast<std::int64_t>(mesh.tables.size()));
     }
     const std::size_t count = mesh.tables[primitive.table].positions.size() / 3;
-    if (primitive.indices.size() % 3 != 0) return bad("index count", static_cast<std::int64_t>(primitive.indices.size()), 3);
+    if (primitive.indices.size() % 3 != 0)
+      return bad("index count", static_cast<std::int64_t>(primitive.indices.size()), 3);
     const ComponentType type = primitive.index_type;
     if (type != ComponentType::kUint8 && type != ComponentType::kUint16 && type != ComponentType::kUint32) {
       return bad("index type", static_cast<int>(type), static_cast<int>(ComponentType::kUint32));
@@ -220,6 +225,8 @@ std::vector<glm::dvec3> targetsOf(const Prepared& prepared, std::span<const std:
   return targets;
 }
 
+constexpr double kLeastError = 0.15;  // a uniform error has 1/4
+
 /// One way to code the positions, tried.
 struct Trial {
   PositionParameters parameters;
@@ -228,10 +235,11 @@ struct Trial {
   double bits = 0;
   double squared_error = 0;  ///< sum over positions, in squared steps
 
-  /// Bits at equal mean squared error: halving the error costs half a bit a coordinate.
+  /// Bits at equal mean squared error: halving the error costs half a bit a coordinate. What is coded exactly, such as
+  /// vertices without a stencil, earns no more than rounding to a finer normal would.
   double cost() const {
     const auto n = static_cast<double>(decoded.size());
-    return bits + 1.5 * n * approximateLog2(std::max(squared_error / std::max(n, 1.0), 1e-9));
+    return bits + 1.5 * n * approximateLog2(std::max(squared_error / std::max(n, 1.0), kLeastError));
   }
 };
 
@@ -266,6 +274,7 @@ std::vector<PositionParameters> candidatesFor(const Header& header, const Encode
     p.basis = mode == Mode::kLattice ? Basis::kGate : options.basis != Basis::kAuto ? options.basis : basis;
     p.predictor = options.predictor != Predictor::kAuto ? options.predictor : predictor;
     p.order = options.order != Order::kAuto ? options.order : order;
+    p.effort = options.effort;
     p.exact_hits = hits;
     p.normal_scale = mode == Mode::kTangent ? options.normal_scale : 1;
     p.fine_bits = mode == Mode::kTangent ? kFineBits : 0;
@@ -279,6 +288,22 @@ std::vector<PositionParameters> candidatesFor(const Header& header, const Encode
   add(Mode::kTangent, Basis::kGate, Predictor::kAdaptive, Order::kTraversal, false);
   add(Mode::kTangent, Basis::kGate, Predictor::kAverage, Order::kTraversal, true);
   add(Mode::kLattice, Basis::kGate, Predictor::kAdaptive, Order::kTraversal, false);
+  if (options.predictor != Predictor::kAuto) {
+    // With a predictor given, the basis is what is left to choose, as in the paper.
+    add(Mode::kTangent, Basis::kTip, options.predictor, Order::kTraversal, false);
+    add(Mode::kTangent, Basis::kTip, options.predictor, Order::kTraversal, true);
+  }
+  if (options.effort == Effort::kMax) {
+    for (const Order order : {Order::kTraversal, Order::kDegree}) {
+      for (const Predictor predictor : {Predictor::kAverage, Predictor::kAdaptive}) {
+        for (const bool hits : {false, true}) {
+          add(Mode::kLattice, Basis::kGate, predictor, order, hits);
+          add(Mode::kTangent, Basis::kGate, predictor, order, hits);
+          add(Mode::kTangent, Basis::kTip, predictor, order, hits);
+        }
+      }
+    }
+  }
   return candidates;
 }
 
@@ -325,8 +350,8 @@ double guaranteedError(const Mesh& mesh, const EncodeOptions& options) {
   const double rounding = std::max(std::ldexp(box.magnitude(), -24), std::ldexp(1.0, -150)) * std::sqrt(3.0);
   const double lattice = step * std::sqrt(0.75);  // half a cell's diagonal
   if (options.mode == Mode::kLattice || !fitsTangentMode(box, step)) return lattice + 2 * rounding;
-  // In tangent mode each component is off by half its step and by the rounding to the fine lattice, seen along its axis;
-  // the frame's distance from orthonormality adds less than 2^-10 of that.
+  // In tangent mode each component is off by half its step and by the rounding to the fine lattice, seen along its
+  // axis; the frame's distance from orthonormality adds less than 2^-10 of that.
   const double fine = std::ldexp(step, -kFineBits);
   const double normal_step = fine * std::max(std::floor(std::ldexp(1.0, kFineBits) / options.normal_scale), 1.0);
   const double slack = fine * std::sqrt(0.75);
@@ -364,8 +389,8 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
   for (const Primitive& primitive : mesh.primitives) primitive_table.push_back(primitive.table);
   header.counts = countAssignment(prepared.assignment, primitive_table);
   Assignment assignment;
-  const AssignmentOrder order =
-      encodeAssignment(prepared.surface, prepared.map, best.decoded, prepared.assignment, header.counts, writer, assignment);
+  const AssignmentOrder order = encodeAssignment(prepared.surface, prepared.map, best.decoded, prepared.assignment,
+                                                 header.counts, writer, assignment);
   result.bits.corners = writer.bitsSince(mark);
 
   mark = writer.mark();
@@ -375,7 +400,6 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
                        std::span(positions).subspan(prepared.map.position_count));
   result.bits.side_faces = writer.bitsSince(mark);
 
-  header.effort = options.effort;
   header.surface_vertex_count = prepared.surface.vertexCount();
   header.surface_face_count = prepared.surface.faceCount();
   for (const Primitive& primitive : mesh.primitives) header.index_types.push_back(primitive.index_type);
@@ -404,7 +428,7 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
     }
   }
   const PositionParameters& p = header.positions;
-  result.modes = {p.mode, p.basis, p.predictor, p.order, header.effort, p.normal_scale, double{header.step}};
+  result.modes = {p.mode, p.basis, p.predictor, p.order, p.effort, p.normal_scale, double{header.step}};
   result.unique_positions = prepared.welded.mesh.positions.size() / 3;
   measure(mesh, outputs, result);
   EncodeOptions used = options;

@@ -18,8 +18,8 @@ inline constexpr int kProbabilityBits = 15;
 inline constexpr std::uint32_t kProbabilityOne = 1u << kProbabilityBits;
 inline constexpr std::uint64_t kCoderStateMin = std::uint64_t{1} << 32;
 
-/// log2 of a positive number to 5 digits, the same on every machine, which the C library's is not: the encoder's choices,
-/// and so its bytes, hang on it.
+/// log2 of a positive number to 5 digits, the same on every machine, which the C library's is not: the encoder's
+/// choices, and so its bytes, hang on it.
 double approximateLog2(double value);
 
 class EntropyWriter {
@@ -68,13 +68,15 @@ class EntropyReader {
   /// Consumes the symbol that owns [start, start + frequency), which must contain `peek()`.
   void advance(std::uint32_t start, std::uint32_t frequency) {
     state_ = frequency * (state_ >> kProbabilityBits) + peek() - start;
-    if (state_ < kCoderStateMin) [[unlikely]] refill();
+    if (state_ < kCoderStateMin) [[unlikely]]
+      refill();
   }
 
   std::uint32_t getRaw(int count) {
     if (count <= EntropyWriter::kRawChunkBits) [[likely]] {
+      // No bits: the slot range is all of it, and advancing changes nothing.
       const std::uint32_t value = peek() >> (kProbabilityBits - count);
-      if (count > 0) advance(value << (kProbabilityBits - count), 1u << (kProbabilityBits - count));
+      advance(value << (kProbabilityBits - count), 1u << (kProbabilityBits - count));
       return value;
     }
     std::uint32_t value = 0;

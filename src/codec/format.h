@@ -8,12 +8,13 @@ namespace tsc {
 
 inline constexpr std::uint32_t kFormatVersion = 0;  ///< section 2
 
-/// Coordinates on the fine lattice stay within +-2^26 (section 6.1), so that a parallelogram and its residual fit 32 bits.
+/// Coordinates on the fine lattice stay within +-2^26 (section 6.1), so that a parallelogram and its residual fit 32
+/// bits.
 inline constexpr int kMaxLatticeBits = 26;
 inline constexpr std::int32_t kCoordinateLimit = 1 << kMaxLatticeBits;
 
-/// Tangent mode: the fine lattice has 2^6 points to a tangential step (section 6.1), so that a normal step of 1/16 still
-/// has four.
+/// Tangent mode: the fine lattice has 2^6 points to a tangential step (section 6.1), so that a normal step of 1/16
+/// still has four.
 inline constexpr int kFineBits = 6;
 inline constexpr std::uint32_t kMaxNormalScale = 16;
 

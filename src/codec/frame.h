@@ -1,21 +1,20 @@
 // Local orthonormal bases in integers (paper, eq. 5 and eq. 7; BITSTREAM.md, section 6.4).
 //
-// Axes are in units of 2^-14. Every intermediate is an integer below 2^53, square root and division are followed at once
-// by floor, so that all machines find the same basis.
+// Axes are in units of 2^-14. Every intermediate is an integer below 2^53, square root and division are followed at
+// once by floor, so that all machines find the same basis.
 #pragma once
 
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-
 #include <glm/glm.hpp>
 
 #include "tsc/codec.h"
 
 namespace tsc {
 
-using Vec3 = glm::ivec3;     // positions and displacements on the fine lattice
+using Vec3 = glm::ivec3;        // positions and displacements on the fine lattice
 using WideVec3 = glm::i64vec3;  // products of these
 
 inline constexpr int kFrameBits = 14;
@@ -79,8 +78,7 @@ inline Vec3 toLattice(const Frame& frame, const WideVec3& local) {
 inline WideVec3 toLocal(const Frame& frame, const Vec3& displacement) {
   const WideVec3 d(displacement);
   const std::int64_t half = std::int64_t{1} << (kFrameBits - 1);
-  return {(dot(WideVec3(frame.normal), d) + half) >> kFrameBits,
-          (dot(WideVec3(frame.first), d) + half) >> kFrameBits,
+  return {(dot(WideVec3(frame.normal), d) + half) >> kFrameBits, (dot(WideVec3(frame.first), d) + half) >> kFrameBits,
           (dot(WideVec3(frame.second), d) + half) >> kFrameBits};
 }
 
@@ -90,16 +88,19 @@ inline Frame frameAt(Basis basis, const Vec3& left, const Vec3& right, const Vec
   const WideVec3 gate = limited(left - right);
   const Vec3 normal = unitVector(cross(gate, limited(base - right)));
   if (normal == Vec3(0)) return {};
-  Vec3 first = basis == Basis::kGate ? unitVector(gate) : Vec3(0);
-  if (basis == Basis::kTip && prediction != base) {
-    // The prediction of several parallelograms may lie outside the plane of this one.
-    const WideVec3 along = scaledTo(WideVec3(prediction - base), kUnitInputBits);
-    const WideVec3 lift = WideVec3(normal) * (dot(along, WideVec3(normal)) >> kFrameBits);
-    first = unitVector(along - WideVec3(lift.x >> kFrameBits, lift.y >> kFrameBits, lift.z >> kFrameBits));
+  const auto crossUnit = [](const Vec3& a, const Vec3& b) {
+    const WideVec3 product = cross(WideVec3(a), WideVec3(b)) + (std::int64_t{1} << (kFrameBits - 1));
+    return Vec3(product.x >> kFrameBits, product.y >> kFrameBits, product.z >> kFrameBits);
+  };
+  if (basis == Basis::kGate) {
+    const Vec3 first = unitVector(gate);
+    return {normal, first, crossUnit(normal, first)};
   }
-  if (first == Vec3(0)) return {};
-  const WideVec3 third = cross(WideVec3(normal), WideVec3(first)) + (std::int64_t{1} << (kFrameBits - 1));
-  return {normal, first, Vec3(third.x >> kFrameBits, third.y >> kFrameBits, third.z >> kFrameBits)};
+  // The prediction may lie outside the plane of the base triangle, even above the base vertex: by way of x3, the axes
+  // are orthogonal however small its part within the plane.
+  const Vec3 second = unitVector(cross(WideVec3(normal), limited(prediction - base)));
+  if (second == Vec3(0)) return {};
+  return {normal, crossUnit(second, normal), second};
 }
 
 }  // namespace tsc

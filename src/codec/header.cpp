@@ -10,7 +10,7 @@
 namespace tsc {
 namespace {
 
-constexpr std::uint32_t kMaxCount = 1u << 29;   // of vertices, faces: ids stay below the 2^30 of IntegerModel
+constexpr std::uint32_t kMaxCount = 1u << 29;  // of vertices, faces: ids stay below the 2^30 of IntegerModel
 constexpr std::int64_t kMaxAnchor = std::int64_t{1} << 48;
 
 class HeaderWriter {
@@ -135,7 +135,7 @@ void modeFields(Io& io, Header& h) {
     choice(io, first, 2, 3, h.positions.predictor);
     choice(io, first, 5, 1, h.positions.order);
     bits(io, first, 6, 1, h.positions.exact_hits);
-    bits(io, first, 7, 1, h.effort);
+    bits(io, first, 7, 1, h.positions.effort);
     bits(io, second, 0, 3, h.position_type);
     bits(io, second, 3, 1, h.anchored);
     bits(io, second, 4, 1, h.has_references);
@@ -193,6 +193,8 @@ void countFields(Io& io, Header& h, const DecodeLimits& limits) {
   auto primitive_count = static_cast<std::uint32_t>(h.index_types.size());
   count(io, table_count, 1u << 20, "header table count");
   count(io, primitive_count, 1u << 20, "header primitive count");
+  io.check(!h.counts.one_vertex_per_position || table_count == 1, ErrorCode::kInvalidCount,
+           "header tables with one vertex a position", table_count, 1);
   std::uint64_t output_bytes = 0;
   const auto spend = [&](std::uint64_t elements, std::uint64_t size) {
     output_bytes += elements * size;  // below 2^29 * 2^4, at most 2^21 times: no overflow
@@ -221,7 +223,11 @@ void countFields(Io& io, Header& h, const DecodeLimits& limits) {
              static_cast<std::int64_t>(table >> 2), table_count);
     h.counts.primitive_table[p] = io.failed() ? 0 : static_cast<std::uint32_t>(table >> 2);
     constexpr ComponentType kTypes[3] = {ComponentType::kUint8, ComponentType::kUint16, ComponentType::kUint32};
-    if (!io.failed()) h.index_types[p] = kTypes[table & 3];
+    if (io.failed()) return;
+    h.index_types[p] = kTypes[table & 3];
+    const std::int64_t addressable = std::int64_t{1} << (8 * componentSize(h.index_types[p]));
+    io.check(h.counts.table_vertex_count[table >> 2] <= addressable, ErrorCode::kInvalidCount,
+             "header vertex count for the index type", h.counts.table_vertex_count[table >> 2], addressable);
     count(io, h.counts.primitive_face_count[p], kMaxCount, "header face count");
     spend(3 * std::uint64_t{h.counts.primitive_face_count[p]}, componentSize(h.index_types[p]));
   }
@@ -280,8 +286,8 @@ std::vector<OutputInfo> outputsOf(const Header& header) {
   for (std::size_t p = 0; p < header.index_types.size(); ++p) {
     const std::uint64_t n = 3 * std::uint64_t{header.counts.primitive_face_count[p]};
     const auto stride = static_cast<std::uint32_t>(componentSize(header.index_types[p]));
-    outputs.push_back({OutputInfo::Kind::kIndices, header.index_types[p], header.counts.primitive_table[p], n, stride,
-                       n * stride});
+    outputs.push_back(
+        {OutputInfo::Kind::kIndices, header.index_types[p], header.counts.primitive_table[p], n, stride, n * stride});
   }
   return outputs;
 }

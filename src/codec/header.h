@@ -14,7 +14,6 @@ namespace tsc {
 
 struct Header {
   PositionParameters positions;
-  Effort effort = Effort::kDefault;
   ComponentType position_type = ComponentType::kFloat32;
   bool has_references = false;
   bool anchored = false;

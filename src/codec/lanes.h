@@ -1,6 +1,6 @@
 // Eight 16-bit integers side by side. Lane by lane these are plain integers, so results are the same on every machine;
-// GCC and Clang turn the vector type into SSE2, NEON or WebAssembly SIMD, and into scalar code where there is none. What
-// the vector extensions cannot say stands below, once for x86 and once for the rest.
+// GCC and Clang turn the vector type into SSE2, NEON or WebAssembly SIMD, and into scalar code where there is none.
+// What the vector extensions cannot say stands below, once for x86 and once for the rest.
 #pragma once
 
 #include <array>
@@ -40,15 +40,27 @@ inline Lanes loadLanes(const std::int16_t* from) {
 }
 inline void storeLanes(std::int16_t* to, Lanes lanes) { std::memcpy(to, &lanes, sizeof lanes); }
 
-/// Eight integers times 2^scale, rounded down; the result must fit 16 bits.
-inline Lanes narrowed(const std::int32_t* from, int scale) {
-  using Integers [[gnu::vector_size(16)]] = std::int32_t;
+/// Eight 32-bit integers.
+using Integers [[gnu::vector_size(16)]] = std::int32_t;
+struct WideLanes {
   Integers low;
   Integers high;
-  std::memcpy(&low, from, sizeof low);
-  std::memcpy(&high, from + 4, sizeof high);
-  low = scale >= 0 ? low << scale : low >> -scale;
-  high = scale >= 0 ? high << scale : high >> -scale;
+};
+
+/// The bits that magnitudes use: those of all lanes, negative ones complemented, or-ed.
+inline std::uint32_t magnitudeBits(const WideLanes& x, const WideLanes& y, const WideLanes& z) {
+  const auto fold = [](Integers v) { return v ^ (v >> 31); };
+  const Integers bits = fold(x.low) | fold(x.high) | fold(y.low) | fold(y.high) | fold(z.low) | fold(z.high);
+  return static_cast<std::uint32_t>(bits[0] | bits[1] | bits[2] | bits[3]);
+}
+
+/// Eight integers times 2^scale, rounded down; the result must fit 16 bits.
+inline Lanes narrowed(const WideLanes& from, int scale) {
+  // One of the two shifts is by nothing, which is cheaper than to foresee which.
+  const int left = scale > 0 ? scale : 0;
+  const int right = scale < 0 ? -scale : 0;
+  const Integers low = (from.low << left) >> right;
+  const Integers high = (from.high << left) >> right;
 #if defined(__SSE2__)
   return (Lanes)_mm_packs_epi32((__m128i)low, (__m128i)high);
 #else

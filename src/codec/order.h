@@ -9,9 +9,9 @@
 
 namespace tsc {
 
-/// Visits every vertex that is no dummy once, next always one with the most complete parallelograms (three or more count
-/// alike; first come, first served), seeding each component with the face of its lowest vertex. `visit(vertex)` returns
-/// false to stop. Linear time.
+/// Visits every vertex that is no dummy once, next always one with the most complete parallelograms (three or more
+/// count alike; first come, first served), seeding each component with the face of its lowest vertex. `visit(vertex)`
+/// returns false to stop. Linear time.
 template <class Visit>
 void visitByDegree(const Surface& surface, Visit&& visit) {
   constexpr int kCap = 3;
@@ -38,14 +38,12 @@ void visitByDegree(const Surface& surface, Visit&& visit) {
       const std::uint32_t previous = previousCorner(corner);
       const std::uint32_t a = surface.corner_vertex[next];
       const std::uint32_t b = surface.corner_vertex[previous];
-      // The vertex as base of the tip beyond its opposite edge, and as an end of the gates to either side.
+      // The vertex as base of the tip beyond its opposite edge, and as an end of the gate v-a. The gate v-b is the next
+      // face's v-a.
       if (known[a] & known[b]) gain(surface.corner_vertex[surface.opposite[corner]]);
       const std::uint32_t beyond = surface.corner_vertex[surface.opposite[previous]];  // across the edge v-a
       if (known[a] & known[b]) gain(beyond);
       if (known[a] & known[beyond]) gain(b);
-      const std::uint32_t other = surface.corner_vertex[surface.opposite[next]];  // across the edge v-b
-      if (known[b] & known[a]) gain(other);
-      if (known[b] & known[other]) gain(a);
       corner = nextCorner(surface.opposite[next]);
     } while (corner != start);
   };

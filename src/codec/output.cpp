@@ -1,15 +1,17 @@
 #include "output.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "checksum.h"
 
 namespace tsc {
 namespace {
 
-/// Little-endian, as glTF wants it.
+/// Little-endian.
 template <class T>
 void store(std::byte* to, T value) {
   if constexpr (std::endian::native == std::endian::little) {
@@ -25,7 +27,7 @@ template <class T>
 Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t> numbers,
                              std::span<const Vec3> positions, std::span<std::byte> output) {
   const std::size_t stride = positionStride(header.position_type);
-  std::memset(output.data(), 0, output.size());
+  std::fill(output.begin(), output.end(), std::byte{0});
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     for (int a = 0; a < 3; ++a) {
       const std::int64_t value = header.anchor[a] + positions[numbers[i]][a];
@@ -38,13 +40,21 @@ Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t
   return {};
 }
 
-void writeFloatPositions(const Header& header, std::span<const std::uint32_t> numbers, std::span<const Vec3> positions,
-                         std::span<std::byte> output) {
+Status writeFloatPositions(const Header& header, std::span<const std::uint32_t> numbers,
+                           std::span<const Vec3> positions, std::span<std::byte> output) {
   const Lattice lattice(header);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const Vec3& q = positions[numbers[i]];
-    for (int a = 0; a < 3; ++a) store(output.data() + 12 * i + 4 * a, lattice.coordinate(q[a], a));
+    const std::array<std::int32_t, 3> coordinates = {q.x, q.y, q.z};
+    for (int a = 0; a < 3; ++a) {
+      const double exact = lattice.coordinate(coordinates[a], a);
+      if (!(std::abs(exact) <= double{std::numeric_limits<float>::max()})) {
+        return Error{ErrorCode::kInvalidCount, "float position", 0, coordinates[a], 0};
+      }
+      store(output.data() + 12 * i + 4 * a, static_cast<float>(exact));
+    }
   }
+  return {};
 }
 
 template <class T>
@@ -68,22 +78,34 @@ Status writeOutputs(const Header& header, const Assignment& assignment, std::spa
     const std::span<std::byte> output = outputs[next++];
     Status status;
     switch (header.position_type) {
-      case ComponentType::kInt8: status = writeIntegerPositions<std::int8_t>(header, numbers, positions, output); break;
-      case ComponentType::kUint8: status = writeIntegerPositions<std::uint8_t>(header, numbers, positions, output); break;
-      case ComponentType::kInt16: status = writeIntegerPositions<std::int16_t>(header, numbers, positions, output); break;
+      case ComponentType::kInt8:
+        status = writeIntegerPositions<std::int8_t>(header, numbers, positions, output);
+        break;
+      case ComponentType::kUint8:
+        status = writeIntegerPositions<std::uint8_t>(header, numbers, positions, output);
+        break;
+      case ComponentType::kInt16:
+        status = writeIntegerPositions<std::int16_t>(header, numbers, positions, output);
+        break;
       case ComponentType::kUint16:
         status = writeIntegerPositions<std::uint16_t>(header, numbers, positions, output);
         break;
-      default: writeFloatPositions(header, numbers, positions, output);
+      default:
+        status = writeFloatPositions(header, numbers, positions, output);
     }
     if (status) return status;
   }
   for (std::size_t p = 0; p < assignment.primitive_indices.size(); ++p) {
     const std::span<std::byte> output = outputs[next++];
     switch (header.index_types[p]) {
-      case ComponentType::kUint8: writeIndices<std::uint8_t>(assignment.primitive_indices[p], output); break;
-      case ComponentType::kUint16: writeIndices<std::uint16_t>(assignment.primitive_indices[p], output); break;
-      default: writeIndices<std::uint32_t>(assignment.primitive_indices[p], output);
+      case ComponentType::kUint8:
+        writeIndices<std::uint8_t>(assignment.primitive_indices[p], output);
+        break;
+      case ComponentType::kUint16:
+        writeIndices<std::uint16_t>(assignment.primitive_indices[p], output);
+        break;
+      default:
+        writeIndices<std::uint32_t>(assignment.primitive_indices[p], output);
     }
   }
   return {};

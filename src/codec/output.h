@@ -15,8 +15,9 @@ namespace tsc {
 class Lattice {
  public:
   explicit Lattice(const Header& header);
-  float coordinate(std::int32_t q, int axis) const {
-    return static_cast<float>(origin_[axis] + (static_cast<double>(q) + anchor_[axis]) * fine_step_);
+  /// In double; finite as a float in every valid stream.
+  double coordinate(std::int32_t q, int axis) const {
+    return origin_[axis] + (static_cast<double>(q) + anchor_[axis]) * fine_step_;
   }
 
  private:
@@ -25,10 +26,10 @@ class Lattice {
   double fine_step_;
 };
 
-/// Fills the outputs, which have the sizes of `outputsOf(header)`. Error: kInvalidCount for an integer position out of its
+/// Fills the outputs, which have the sizes of `outputsOf(header)`. Error: kInvalidCount for a position out of its
 /// type's range.
-[[nodiscard]] Status writeOutputs(const Header& header, const Assignment& assignment,
-                                  std::span<const Vec3> positions, std::span<const std::span<std::byte>> outputs);
+[[nodiscard]] Status writeOutputs(const Header& header, const Assignment& assignment, std::span<const Vec3> positions,
+                                  std::span<const std::span<std::byte>> outputs);
 
 /// Chained over the header's bytes and all outputs; the low 32 bits.
 std::uint32_t checksumOf(std::span<const std::byte> header_bytes, std::span<const std::span<std::byte>> outputs);

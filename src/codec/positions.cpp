@@ -12,22 +12,34 @@
 namespace tsc {
 namespace {
 
-constexpr std::int64_t kDisplacementLimit = std::int64_t{1} << 28;
+constexpr int kDisplacementBits = 28;
 constexpr std::int64_t kMaxDisagreement = std::int64_t{1} << 21;
 
 /// What a vertex is predicted from.
 struct Prediction {
   Stencils stencils;
   std::array<Vec3, kMaxStencils> candidates{};  ///< parallelograms
-  Vec3 mean{0};                               ///< their average
-  Vec3 point{0};                              ///< the chosen predictor's, before the adaptive offset
+  Vec3 mean{0};                                 ///< their average
+  Vec3 point{0};                                ///< the chosen predictor's, before the adaptive offset
   Frame frame;
-  WideVec3 offset{0};  ///< adaptive offset, local
+  std::array<std::int64_t, 3> offset{};  ///< adaptive offset, local
 };
 
 int countClass(const Stencils& stencils) { return std::min(stencils.count, kCountClasses) - 1; }
 
-Vec3 clampedToLattice(const Vec3& v) { return glm::clamp(v, Vec3(-kCoordinateLimit), Vec3(kCoordinateLimit)); }
+/// Whether all components lie in [-2^bits, 2^bits): the test that spares nearly every vertex its clamps.
+template <class Vector>
+bool within(const Vector& v, int bits) {
+  using Scalar = typename Vector::value_type;
+  const Scalar half = Scalar{1} << bits;
+  return (((v.x + half) | (v.y + half) | (v.z + half)) >> (bits + 1)) == 0;
+}
+
+Vec3 clampedToLattice(const Vec3& v) {
+  if (within(v, kMaxLatticeBits)) [[likely]]
+    return v;
+  return glm::clamp(v, Vec3(-kCoordinateLimit), Vec3(kCoordinateLimit));
+}
 
 std::uint32_t magnitudeSum(const std::vector<VertexState>& states, const Stencil& s, int a) {
   return std::uint32_t{states[s.left].magnitude[a]} + states[s.right].magnitude[a] + states[s.base].magnitude[a];
@@ -38,10 +50,16 @@ class PositionCoder {
  public:
   PositionCoder(Direction direction, const Surface& surface, const PositionMap& map,
                 const PositionParameters& parameters)
-      : direction_(direction), surface_(surface), map_(map), parameters_(parameters), states_(surface.vertexCount()),
-        known_(surface.vertexCount()), residuals_(direction, parameters.exact_hits) {
+      : direction_(direction),
+        surface_(surface),
+        map_(map),
+        parameters_(parameters),
+        states_(surface.vertexCount()),
+        known_(surface.vertexCount()),
+        residuals_(direction, parameters.exact_hits, parameters.effort) {
     step_ = {1 << parameters.fine_bits, 1 << parameters.fine_bits, 1 << parameters.fine_bits};
-    if (parameters.mode == Mode::kTangent) step_.x = std::max<int>(step_.x / static_cast<int>(parameters.normal_scale), 1);
+    if (parameters.mode == Mode::kTangent)
+      step_[0] = std::max<int>(step_[0] / static_cast<int>(parameters.normal_scale), 1);
     for (int a = 0; a < 3; ++a) {
       sixteenths_[a] = (16u << 12) / static_cast<std::uint32_t>(step_[a]);
       half_reciprocals_[a] = (std::uint64_t{1} << 31) / static_cast<std::uint64_t>(step_[a]);
@@ -120,16 +138,15 @@ class PositionCoder {
     for (int a = 0; a < 3; ++a) {
       difference[a] = unzigzag(direction_.integer(free_[a], zigzag(difference[a])));
     }
-    state.position = clampedToLattice(Vec3(glm::clamp(WideVec3(origin) + WideVec3(difference),
-                                                      WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit))));
+    state.position = clampedToLattice(Vec3(
+        glm::clamp(WideVec3(origin) + WideVec3(difference), WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit))));
   }
 
   void predict(Prediction& p) {
     const Stencils& s = p.stencils;
     for (int j = 0; j < s.count; ++j) {
       const Stencil& t = s.list[j];
-      p.candidates[j] =
-          parallelogram(states_[t.left].position, states_[t.right].position, states_[t.base].position);
+      p.candidates[j] = parallelogram(states_[t.left].position, states_[t.right].position, states_[t.base].position);
     }
     p.mean = average(p.candidates.data(), s.count);
     const Stencil& gate = s.list[0];
@@ -161,36 +178,51 @@ class PositionCoder {
     const VertexState& left = states_[s.list[0].left];
     const VertexState& right = states_[s.list[0].right];
     const VertexState& base = states_[s.list[0].base];
-    Features f;
-    f.set(0, left.surprise);
-    f.set(1, right.surprise);
-    f.set(2, base.surprise);
-    f.set(3, p.candidates[0] - p.mean);
-    // From the base vertex to the middle of the gate, alone and scaled by how far valences are from regular.
+    const Vec3 apart = p.candidates[0] - p.mean;
+    // From the base vertex to the middle of the gate, alone and by how far valences are from regular; the gate by how
+    // far its ends' valences differ.
     const Vec3 height = ((left.position - base.position) + (right.position - base.position)) / 2;
-    const auto scaled = [](const Vec3& vector, int factor) {
-      const int bounded = std::clamp(factor, -12, 12);
-      return Vec3(vector.x / 4 * bounded, vector.y / 4 * bounded, vector.z / 4 * bounded);
+    const Vec3 gate = left.position - right.position;
+    const auto bounded = [](int factor) {
+      return static_cast<std::int16_t>(std::clamp(factor, -kFactorLimit, kFactorLimit));
     };
-    f.set(4, height);
-    f.set(5, scaled(height, s.valence - 6));
-    f.set(6, scaled(left.position - right.position, left.valence - right.valence));
-    f.set(7, scaled(height, left.valence + right.valence - base.valence - 6));
+    Features f;
+    f.x = WideLanes{Integers{left.surprise.x, right.surprise.x, base.surprise.x, apart.x},
+                    Integers{height.x, height.x, gate.x, height.x}};
+    f.y = WideLanes{Integers{left.surprise.y, right.surprise.y, base.surprise.y, apart.y},
+                    Integers{height.y, height.y, gate.y, height.y}};
+    f.z = WideLanes{Integers{left.surprise.z, right.surprise.z, base.surprise.z, apart.z},
+                    Integers{height.z, height.z, gate.z, height.z}};
+    f.factor = Lanes{kFactorOne,
+                     kFactorOne,
+                     kFactorOne,
+                     kFactorOne,
+                     kFactorOne,
+                     bounded(s.valence - 6),
+                     bounded(left.valence - right.valence),
+                     bounded(left.valence + right.valence - base.valence - 6)};
     return f;
   }
 
   /// The first candidates' displacements from the predicted point, local.
-  std::array<WideVec3, kCandidates> candidatesOf(const Prediction& p) const {
-    std::array<WideVec3, kCandidates> local{};
-    const int count = std::min(p.stencils.count, kCandidates);
-    for (int j = 0; j < count; ++j) {
-      const Vec3 displacement = p.candidates[j] - p.point;
-      local[j] = parameters_.mode == Mode::kLattice ? WideVec3(displacement) : toLocal(p.frame, displacement);
+  std::array<std::array<std::int64_t, 3>, kCandidates> candidatesOf(const Prediction& p) const {
+    WideVec3 local[kCandidates] = {WideVec3(0), WideVec3(0)};
+    const bool several = p.stencils.count > 1;
+    const Vec3 first = p.candidates[0] - p.point;
+    const Vec3 second = several ? p.candidates[1] - p.point : Vec3(0);
+    if (parameters_.mode == Mode::kLattice) {
+      local[0] = WideVec3(first);
+      local[1] = WideVec3(second);
+    } else if (several || p.point != p.mean) {
+      local[0] = toLocal(p.frame, first);
+      // Two candidates lie on opposite sides of their mean.
+      local[1] = p.stencils.count == 2 && p.point == p.mean ? -local[0] : toLocal(p.frame, second);
     }
-    return local;
+    return {{{local[0].x, local[0].y, local[0].z}, {local[1].x, local[1].y, local[1].z}}};
   }
 
-  Surroundings surroundingsOf(const Prediction& p, const std::array<WideVec3, kCandidates>& local) const {
+  Surroundings surroundingsOf(const Prediction& p,
+                              const std::array<std::array<std::int64_t, 3>, kCandidates>& local) const {
     const Stencils& s = p.stencils;
     Surroundings around;
     around.stencil_count = s.count;
@@ -214,9 +246,12 @@ class PositionCoder {
 
   void codeResiduals(std::uint32_t v, const Prediction& p, const glm::dvec3& target) {
     VertexState& state = states_[v];
-    Vec3 residual(0);
-    if constexpr (Direction::kWrites) residual = nearestResidual(p, target);
-    const std::array<WideVec3, kCandidates> local = candidatesOf(p);
+    std::array<std::int32_t, 3> residual{};
+    if constexpr (Direction::kWrites) {
+      const Vec3 nearest = nearestResidual(p, target);
+      residual = {nearest.x, nearest.y, nearest.z};
+    }
+    const auto local = candidatesOf(p);
     const Surroundings around = surroundingsOf(p, local);
     const Stencil& gate = p.stencils.list[0];
     Component component;
@@ -225,7 +260,7 @@ class PositionCoder {
     for (int a = 0; a < 3; ++a) {
       component.axis = a;
       component.hits_around = (states_[gate.left].hits >> a & 1) + (states_[gate.right].hits >> a & 1);
-      for (int j = 0; j < component.candidate_count; ++j) {
+      for (int j = 0; j < kCandidates; ++j) {
         component.candidates[j] = inSteps(local[j][a] - p.offset[a], a);
       }
       residual[a] = residuals_.code(component, residualContext(around, a), residual[a]);
@@ -235,28 +270,34 @@ class PositionCoder {
       state.magnitude[a] = static_cast<std::uint16_t>(std::min<std::int32_t>(std::abs(residual[a]), kMaxMagnitude));
     }
     state.hits = component.hits;
-    state.position = reconstruct(p, residual);
+    state.position = reconstruct(p, {residual[0], residual[1], residual[2]});
     state.surprise = state.position - p.mean;
   }
 
   /// A local coordinate in steps of its axis, rounded; |local| < 2^30.
   std::int32_t inSteps(std::int64_t local, int a) const {
-    const std::uint64_t doubled = 2 * static_cast<std::uint64_t>(std::abs(local)) + static_cast<std::uint64_t>(step_[a]);
+    const std::uint64_t doubled =
+        2 * static_cast<std::uint64_t>(std::abs(local)) + static_cast<std::uint64_t>(step_[a]);
     const auto magnitude = static_cast<std::int32_t>((doubled * half_reciprocals_[a]) >> 32);
     return local < 0 ? -magnitude : magnitude;
   }
 
+  static WideVec3 offsetOf(const Prediction& p) { return {p.offset[0], p.offset[1], p.offset[2]}; }
+
   Vec3 reconstruct(const Prediction& p, const Vec3& residual) const {
-    WideVec3 local = p.offset + WideVec3(residual) * WideVec3(step_);
-    local = glm::clamp(local, WideVec3(-kDisplacementLimit), WideVec3(kDisplacementLimit));
+    WideVec3 local = offsetOf(p) + WideVec3(residual) * WideVec3(step_[0], step_[1], step_[2]);
+    if (!within(local, kDisplacementBits)) [[unlikely]] {
+      constexpr std::int64_t kLimit = std::int64_t{1} << kDisplacementBits;
+      local = glm::clamp(local, WideVec3(-kLimit), WideVec3(kLimit));
+    }
     if (parameters_.mode == Mode::kLattice) return clampedToLattice(p.point + Vec3(local));
     return clampedToLattice(p.point + toLattice(p.frame, local));
   }
 
-  /// The residual whose reconstruction is nearest to the target: the frame is orthonormal only up to 2^-13, so that large
-  /// residuals are corrected by what they leave over.
+  /// The residual whose reconstruction is nearest to the target: the frame is orthonormal only up to 2^-13, so that
+  /// large residuals are corrected by what they leave over.
   Vec3 nearestResidual(const Prediction& p, const glm::dvec3& target) const {
-    if (parameters_.mode == Mode::kLattice) return Vec3(glm::floor(target + 0.5)) - p.point - Vec3(p.offset);
+    if (parameters_.mode == Mode::kLattice) return Vec3(glm::floor(target + 0.5)) - p.point - Vec3(offsetOf(p));
     const glm::dvec3 axes[3] = {glm::dvec3(p.frame.normal), glm::dvec3(p.frame.first), glm::dvec3(p.frame.second)};
     const auto steps = [&](const glm::dvec3& displacement, const glm::dvec3& from) {
       Vec3 result;
@@ -266,7 +307,7 @@ class PositionCoder {
       }
       return result;
     };
-    Vec3 residual = steps(target - glm::dvec3(p.point), glm::dvec3(p.offset));
+    Vec3 residual = steps(target - glm::dvec3(p.point), glm::dvec3(offsetOf(p)));
     for (int pass = 0; pass < 3; ++pass) {
       const Vec3 correction = steps(target - glm::dvec3(reconstruct(p, residual)), glm::dvec3(0));
       if (correction == Vec3(0)) break;
@@ -285,7 +326,7 @@ class PositionCoder {
   ResidualCoder<Direction> residuals_;
   IntegerModel free_[3];  ///< components of vertices without a stencil
   AdaptiveOffset offsets_[kCountClasses];
-  Vec3 step_;
+  std::array<int, 3> step_;
   std::array<std::int64_t, 3> sixteenths_;
   std::array<std::uint64_t, 3> half_reciprocals_;
   LocalFeatures features_;

@@ -18,6 +18,7 @@ struct PositionParameters {
   Basis basis = Basis::kGate;
   Predictor predictor = Predictor::kAverage;
   Order order = Order::kTraversal;
+  Effort effort = Effort::kDefault;
   int fine_bits = 0;               ///< k: the fine lattice has 2^k points to a tangential step; 0 in lattice mode
   std::uint32_t normal_scale = 1;  ///< in tangent mode
   bool exact_hits = false;         ///< residuals may be signalled as exactly a candidate's

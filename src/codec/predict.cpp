@@ -34,14 +34,14 @@ Angle innerAngle(const Vec3& tip, const Vec3& a, const Vec3& b) {
   // One common scale for both sides keeps the angle.
   WideVec3 u(a - tip);
   WideVec3 v(b - tip);
-  const int excess = std::bit_width(static_cast<std::uint64_t>(std::max(largestMagnitude(u), largestMagnitude(v)))) -
-                     kAngleInputBits;
+  const int excess =
+      std::bit_width(static_cast<std::uint64_t>(std::max(largestMagnitude(u), largestMagnitude(v)))) - kAngleInputBits;
   if (excess > 0) {
     u = {u.x >> excess, u.y >> excess, u.z >> excess};
     v = {v.x >> excess, v.y >> excess, v.z >> excess};
   }
-  const std::int64_t cosine = dot(u, v);         // below 2^38
-  const WideVec3 normal = cross(u, v);         // components below 2^37
+  const std::int64_t cosine = dot(u, v);  // below 2^38
+  const WideVec3 normal = cross(u, v);    // components below 2^37
   const int cross_bits = std::bit_width(static_cast<std::uint64_t>(largestMagnitude(normal)));
   const int shift = std::max(0, cross_bits - kUnitInputBits);
   const WideVec3 small(normal.x >> shift, normal.y >> shift, normal.z >> shift);

@@ -14,7 +14,8 @@ inline Vec3 parallelogram(const Vec3& left, const Vec3& right, const Vec3& base)
 
 /// Mean of `count` candidates, rounded; exactly their value where all agree.
 inline Vec3 average(const Vec3* candidates, int count) {
-  static constexpr std::array<std::int64_t, kMaxStencils + 1> kReciprocal = {0, 262144, 131072, 87381, 65536};  // 2^18 / n
+  static constexpr std::array<std::int64_t, kMaxStencils + 1> kReciprocal = {0, 262144, 131072, 87381,
+                                                                             65536};  // 2^18 / n
   WideVec3 sum(0);
   for (int j = 1; j < count; ++j) sum += WideVec3(candidates[j] - candidates[0]);
   const WideVec3 mean = sum * kReciprocal[count] + (std::int64_t{1} << 17);

@@ -13,9 +13,9 @@
 namespace tsc {
 namespace {
 
-constexpr std::uint32_t kMaxCandidates = 15;   ///< symbol 15 is the escape
-constexpr std::uint32_t kMaxInstances = 8;     ///< cut vertices looked at for one position
-constexpr std::uint32_t kMaxNeighbours = 24;   ///< steps around one vertex when looking for candidates
+constexpr std::uint32_t kMaxCandidates = 15;  ///< symbol 15 is the escape
+constexpr std::uint32_t kMaxInstances = 8;    ///< cut vertices looked at for one position
+constexpr std::uint32_t kMaxNeighbours = 24;  ///< steps around one vertex when looking for candidates
 
 /// Positions that a vertex may repeat, the likeliest first.
 struct Candidates {
@@ -202,11 +202,11 @@ class ReferenceCoder {
   PositionMap& map_;
   const PositionMap* truth_;
   std::vector<std::uint32_t> boundary_next_, boundary_previous_;  ///< per vertex; kNone off the boundary
-  std::vector<std::uint32_t> newest_;                     ///< per position: the last vertex placed there
-  std::vector<std::uint32_t> older_;                      ///< per vertex: the one placed there before it
-  std::vector<std::uint8_t> neighbours_with_copies_;      ///< per vertex, up to 2
-  BitModel repeats_[4][3][2];                             ///< by confidence, neighbours with copies, at the boundary
-  SymbolModel which_[4];                                  ///< by confidence
+  std::vector<std::uint32_t> newest_;                             ///< per position: the last vertex placed there
+  std::vector<std::uint32_t> older_;                              ///< per vertex: the one placed there before it
+  std::vector<std::uint8_t> neighbours_with_copies_;              ///< per vertex, up to 2
+  BitModel repeats_[4][3][2];  ///< by confidence, neighbours with copies, at the boundary
+  SymbolModel which_[4];       ///< by confidence
   IntegerModel back_;
 };
 

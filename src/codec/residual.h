@@ -1,9 +1,10 @@
 // One residual component as a mixture of experts (BITSTREAM.md, section 6.6).
 //
-// A residual is coarsened to bins of 2^shift steps. Each expert owns an adaptive cumulative table over 32 bins centred on
-// its own prediction; tables are read at the experts' offsets from the common prediction, so that all give a cumulative
-// table over the same window of 16 bins, and are summed with learned weights. The window's outer bins stand for all that
-// lies beyond. What is left below a bin's width is sent raw, unless the residual is exactly what a candidate predicts.
+// A residual is coarsened to bins of 2^shift steps. Each expert owns an adaptive cumulative table over 32 bins centred
+// on its own prediction; tables are read at the experts' offsets from the common prediction, so that all give a
+// cumulative table over the same window of 16 bins, and are summed with learned weights. The window's outer bins stand
+// for all that lies beyond. What is left below a bin's width is sent raw, unless the residual is exactly what a
+// candidate predicts.
 #pragma once
 
 #include <algorithm>
@@ -24,8 +25,8 @@ inline constexpr int kTableCentre = kTableBins / 2;
 /// Cumulative total of a table: what is missing to 2^15 gives each bin of the window a frequency of its own.
 inline constexpr int kTableTotal = static_cast<int>(kProbabilityOne) - 32;
 
-/// Cumulative frequencies below each bin. Lane 0, which is always 0 as a cumulative frequency and never read as one, holds
-/// the number of updates so far, capped.
+/// Cumulative frequencies below each bin. Lane 0, which is always 0 as a cumulative frequency and never read as one,
+/// holds the number of updates so far, capped.
 struct alignas(64) BinTable {
   std::array<std::int16_t, kTableBins> below;
 
@@ -102,13 +103,13 @@ struct Mixture {
   std::array<int, kCount> offset{};  ///< within +-kMaxOffset
 };
 
-/// Codes a bin of the window, 0..15, and lets tables and shares learn. Of the experts from `kFirstShared` on, which share
-/// one table, only the one that gave the bin most learns.
+/// Codes a bin of the window, 0..15, and lets tables and shares learn. Of the experts from `kFirstShared` on, which
+/// share one table, only the one that gave the bin most learns.
 template <int kFirstShared, int kCount, class Direction>
 int codeBin(Direction& direction, const Mixture<kCount>& mixture, MixWeights& weights, int bin) {
   static_assert(kCount <= kMaxExperts);
   std::array<const std::int16_t*, kCount> window;  // below[k] of the window's bin k, k = 1..15
-  Lanes low = ramp(0);  // adding k gives each bin a frequency of at least 1
+  Lanes low = ramp(0);                             // adding k gives each bin a frequency of at least 1
   Lanes high = ramp(8);
   for (int j = 0; j < kCount; ++j) {
     window[j] = mixture.table[j]->below.data() + (kMaxOffset - mixture.offset[j]);

@@ -20,7 +20,7 @@ inline constexpr int kMaxMagnitude = 16383;  // stored magnitudes saturate here
 struct Surroundings {
   std::array<std::uint32_t, 3> residual{};      ///< mean magnitude of the neighbours' residuals
   std::array<std::uint32_t, 3> disagreement{};  ///< mean distance of the candidates from their average
-  std::uint32_t gate = 0;                        ///< mean magnitude of the gate's components, tangential steps
+  std::uint32_t gate = 0;                       ///< mean magnitude of the gate's components, tangential steps
   int stencil_count = 0;
 };
 
@@ -40,7 +40,7 @@ inline ResidualContext residualContext(const Surroundings& around, int component
   ResidualContext context;
   const int width = static_cast<int>(std::bit_width(expected));
   context.scale = std::min(2 * width + static_cast<int>((expected >> (width - 2)) & 1) - 6, kScaleClasses - 1);
-  context.shift = std::min<int>(std::bit_width(expected / 96), kShiftClasses - 1);
+  context.shift = std::min<int>(std::bit_width(expected / 96 * 2 + 1) - 1, kShiftClasses - 1);
   const std::uint32_t spread = several ? around.disagreement[component] : around.gate / 4;
   const std::uint32_t mean = (own * 4 + all) / 5 + 2;
   const int ratio = (4 * spread >= mean) + (2 * spread >= mean) + (spread >= mean) + (spread >= 2 * mean);

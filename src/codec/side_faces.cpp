@@ -121,8 +121,8 @@ class SideFaceCoder {
     }
     const bool duplicate =
         state_.real_face_count > 0 && state_.direction.bit(is_duplicate_, face.duplicate_of != kNone);
-    Status status = duplicate ? codeDuplicate(face.duplicate_of, table, input, indices)
-                              : codeCorners(table, input, indices);
+    Status status =
+        duplicate ? codeDuplicate(face.duplicate_of, table, input, indices) : codeCorners(table, input, indices);
     if (status) return status;
     for (const std::uint32_t index : indices) state_.out.primitive_indices[primitive].push_back(index);
     return {};
@@ -133,8 +133,8 @@ class SideFaceCoder {
     if (count > 1) {
       std::int64_t coded = last_primitive_;
       if (!state_.direction.bit(same_primitive_, primitive == last_primitive_)) {
-        if (Status status = codeRelative(primitive_, primitive, last_primitive_, count, "side faces: primitive",
-                                         coded)) {
+        if (Status status =
+                codeRelative(primitive_, primitive, last_primitive_, count, "side faces: primitive", coded)) {
           return status;
         }
       }
@@ -178,8 +178,8 @@ class SideFaceCoder {
       }
       const std::uint32_t position = state_.map.vertex_position[state_.surface.corner_vertex[corner]];
       std::uint32_t id = kNone;
-      if (Status status = state_.chooseVertex(position, table, state_.corner_id[corner], kNone, input[k],
-                                              duplicate_vertex_, id)) {
+      if (Status status =
+              state_.chooseVertex(position, table, state_.corner_id[corner], kNone, input[k], duplicate_vertex_, id)) {
         return status;
       }
       indices[k] = state_.vertices[id].index;
@@ -197,8 +197,8 @@ class SideFaceCoder {
   }
 
   /// What the encoder says about a corner.
-  Kind kindOf(std::uint32_t k, std::uint32_t table, std::uint32_t input, const Triple& indices,
-              std::uint32_t& index, std::uint32_t& position) const {
+  Kind kindOf(std::uint32_t k, std::uint32_t table, std::uint32_t input, const Triple& indices, std::uint32_t& index,
+              std::uint32_t& position) const {
     if constexpr (Direction::kWrites) {
       index = state_.decoded_index[table][input];
       position = state_.knownPosition(table, input);
@@ -231,16 +231,14 @@ class SideFaceCoder {
       case kNewVertex: {
         if (state_.counts.one_vertex_per_position) break;
         const std::uint32_t near = reference < size ? state_.out.table_position[table][reference] : 0;
-        if (Status status = codeRelative(position_, position, near, state_.out.position_count,
-                                         "side faces: position", coded)) {
+        if (Status status =
+                codeRelative(position_, position, near, state_.out.position_count, "side faces: position", coded)) {
           return status;
         }
         indices[k] = size;
         return state_.createVertex(table, static_cast<std::uint32_t>(coded), input);
       }
-      case kNewPosition:
-        indices[k] = size;
-        return state_.createVertexAndPosition(table, input);
+      case kNewPosition: indices[k] = size; return state_.createVertexAndPosition(table, input);
     }
     return state_.error(ErrorCode::kInvalidSymbol, "side faces: kind of corner", kind, kKindCount);
   }
@@ -252,7 +250,7 @@ class SideFaceCoder {
   BitModel same_primitive_, is_duplicate_;
   IntegerModel primitive_, duplicate_, position_;
   VertexChoiceModel duplicate_vertex_;
-  SymbolModel kind_[3];   ///< by corner
+  SymbolModel kind_[3];    ///< by corner
   IntegerModel index_[3];  ///< by corner
 };
 
@@ -265,8 +263,7 @@ std::vector<std::uint32_t> unusedVertices(const AssignmentState<Writing>& state,
   const auto sort_key = [&](std::uint32_t i) {
     return std::tuple(state.knownPosition(table, i), state.input->table_welded[table][i], i);
   };
-  std::sort(unused.begin(), unused.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return sort_key(a) < sort_key(b); });
+  std::sort(unused.begin(), unused.end(), [&](std::uint32_t a, std::uint32_t b) { return sort_key(a) < sort_key(b); });
   return unused;
 }
 

@@ -57,6 +57,19 @@ Groups groupBy(std::uint32_t item_count, std::size_t key_count, Key key) {
   return groups;
 }
 
+/// Sorts what is nearly always a handful.
+template <class T>
+void sortFew(std::vector<T>& items) {
+  constexpr std::size_t kFew = 24;
+  if (items.size() > kFew) return std::sort(items.begin(), items.end());
+  for (std::size_t i = 1; i < items.size(); ++i) {
+    const T item = items[i];
+    std::size_t k = i;
+    for (; k > 0 && item < items[k - 1]; --k) items[k] = items[k - 1];
+    items[k] = item;
+  }
+}
+
 // ------------------------------------------------------------------------------------------------------- Side faces
 
 /// 1 for each face that is degenerate or repeats an earlier face's three vertices in the same orientation.
@@ -87,12 +100,13 @@ std::vector<std::uint8_t> findSideFaces(std::span<const std::uint32_t> corner_ve
   };
   std::vector<Rest> rests;
   for (std::size_t vertex = 0; vertex < vertex_count; ++vertex) {
+    if (by_vertex.first[vertex + 1] - by_vertex.first[vertex] < 2) continue;
     rests.clear();
     for (std::uint32_t i = by_vertex.first[vertex]; i < by_vertex.first[vertex + 1]; ++i) {
       const Triple t = triple(by_vertex.items[i]);
       rests.push_back({static_cast<std::uint64_t>(t.second) << 32 | t.third, by_vertex.items[i]});
     }
-    std::sort(rests.begin(), rests.end());
+    sortFew(rests);
     for (std::size_t i = 1; i < rests.size(); ++i) {
       if (rests[i].vertices == rests[i - 1].vertices) is_side[rests[i].face] = 1;
     }
@@ -119,6 +133,13 @@ class EdgePairing {
               std::vector<std::uint32_t>& opposite)
       : positions_(positions), vertex_(input_vertex), opposite_(opposite) {}
 
+  /// Pairs two half-edges of opposite direction unless one is paired or they are flip sides.
+  void tryPair(std::uint32_t up, std::uint32_t down) {
+    if (opposite_[up] != kNone || opposite_[down] != kNone || areFlipSides(up, down)) return;
+    opposite_[up] = down;
+    opposite_[down] = up;
+  }
+
   void pairAll(std::vector<std::uint32_t>& up, std::vector<std::uint32_t>& down) {
     if (up.empty() || down.empty()) return;
     if (up.size() == 1 && down.size() == 1) {
@@ -134,19 +155,13 @@ class EdgePairing {
   /// Beyond this a book of n pages would take O(n^2).
   static constexpr std::size_t kMaxExhaustivePairs = 256;
 
+  /// Faces on the same edge with the same apex are each other's flip side.
+  bool areFlipSides(std::uint32_t up, std::uint32_t down) const { return vertex_[up] == vertex_[down]; }
+
   struct Candidate {
     double cosine;
     std::uint32_t up, down;
   };
-
-  /// Faces on the same edge with the same apex are each other's flip side.
-  bool areFlipSides(std::uint32_t up, std::uint32_t down) const { return vertex_[up] == vertex_[down]; }
-
-  void tryPair(std::uint32_t up, std::uint32_t down) {
-    if (opposite_[up] != kNone || opposite_[down] != kNone || areFlipSides(up, down)) return;
-    opposite_[up] = down;
-    opposite_[down] = up;
-  }
 
   void pairFlattest(const std::vector<std::uint32_t>& up, const std::vector<std::uint32_t>& down) {
     candidates_.clear();
@@ -226,9 +241,17 @@ std::vector<std::uint32_t> pairHalfEdges(std::span<const float> positions, std::
       const std::uint64_t larger = std::max(vertex[nextCorner(corner)], vertex[previousCorner(corner)]);
       half_edges.push_back(larger << 32 | corner);
     }
-    std::sort(half_edges.begin(), half_edges.end());
+    sortFew(half_edges);
     for (std::size_t i = 0; i < half_edges.size();) {
       const std::uint64_t larger = half_edges[i] >> 32;
+      const auto is_other = [&](std::size_t k) { return k >= half_edges.size() || half_edges[k] >> 32 != larger; };
+      if (!is_other(i + 1) && is_other(i + 2)) {  // the usual case
+        const auto a = static_cast<std::uint32_t>(half_edges[i]);
+        const auto b = static_cast<std::uint32_t>(half_edges[i + 1]);
+        if ((vertex[nextCorner(a)] == u) != (vertex[nextCorner(b)] == u)) pairing.tryPair(a, b);
+        i += 2;
+        continue;
+      }
       up.clear();
       down.clear();
       for (; i < half_edges.size() && half_edges[i] >> 32 == larger; ++i) {
@@ -249,6 +272,14 @@ void numberUmbrellas(std::span<const std::uint32_t> input_vertex, CutMesh& cut) 
   Surface& surface = cut.surface;
   const auto corner_count = static_cast<std::uint32_t>(input_vertex.size());
   surface.corner_vertex.assign(corner_count, kNone);
+  // The next corner to the left, found for all in memory's order: the walks below then wait for one load a step.
+  std::vector<std::uint32_t> left(corner_count);
+  for (std::uint32_t base = 0; base < corner_count; base += 3) {
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t across = surface.opposite[base + (k + 1) % 3];
+      left[base + k] = across == kNone ? kNone : nextCorner(across);
+    }
+  }
   for (std::uint32_t first = 0; first < corner_count; ++first) {
     if (surface.corner_vertex[first] != kNone) continue;
     const std::uint32_t vertex = surface.vertexCount();
@@ -258,8 +289,7 @@ void numberUmbrellas(std::span<const std::uint32_t> input_vertex, CutMesh& cut) 
     std::uint32_t corner = first;
     do {
       surface.corner_vertex[corner] = vertex;
-      const std::uint32_t across = surface.opposite[nextCorner(corner)];
-      corner = across == kNone ? kNone : nextCorner(across);
+      corner = left[corner];
     } while (corner != kNone && corner != first);
     if (corner == first) continue;
     for (std::uint32_t across = surface.opposite[previousCorner(first)]; across != kNone;

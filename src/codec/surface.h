@@ -38,7 +38,7 @@ inline std::uint32_t nextAroundVertex(const Surface& surface, std::uint32_t corn
 
 /// Triangles over welded vertices, ready to be cut.
 struct WeldedMesh {
-  std::vector<float> positions;             ///< x y z of each distinct position; -0 is +0
+  std::vector<float> positions;              ///< x y z of each distinct position; -0 is +0
   std::vector<std::uint32_t> corner_vertex;  ///< welded vertex of each input corner, primitives concatenated
 };
 

@@ -107,8 +107,8 @@ void checkFaces(const Fixture& fixture, const Coded& coded) {
         const std::uint32_t expected = side ? fixture.input.side_faces[face - surface_faces].table_vertex[corner]
                                             : fixture.input.corner_vertex[3 * face + corner];
         ASSERT_EQ(coded.order.vertex[fixture.primitive_table[p]][indices[3 * i + k]], expected);
-        ASSERT_EQ(p, side ? fixture.input.side_faces[face - surface_faces].primitive
-                          : fixture.input.face_primitive[face]);
+        ASSERT_EQ(p,
+                  side ? fixture.input.side_faces[face - surface_faces].primitive : fixture.input.face_primitive[face]);
       }
     }
   }
@@ -119,8 +119,7 @@ void checkFaces(const Fixture& fixture, const Coded& coded) {
 /// `positions` by position number, or empty.
 Coded roundTrip(Fixture fixture, const std::vector<glm::ivec3>& positions = {}) {
   Coded coded;
-  const PositionMap map =
-      numberPositions(fixture.vertex_welded, fixture.welded_count, fixture.input.welded_position);
+  const PositionMap map = numberPositions(fixture.vertex_welded, fixture.welded_count, fixture.input.welded_position);
   coded.counts = countAssignment(fixture.input, fixture.primitive_table);
   EntropyWriter writer;
   coded.order =
@@ -408,8 +407,7 @@ TEST(Assignment, HostileBytesEndInAnErrorOrInAConsistentResult) {
   int errors = 0;
   for (int trial = 0; trial < 400; ++trial) {
     Fixture fixture = randomFixture(random);
-    const PositionMap map =
-        numberPositions(fixture.vertex_welded, fixture.welded_count, fixture.input.welded_position);
+    const PositionMap map = numberPositions(fixture.vertex_welded, fixture.welded_count, fixture.input.welded_position);
     Assignment::Counts counts = countAssignment(fixture.input, fixture.primitive_table);
     EntropyWriter writer;
     Assignment assignment;

@@ -250,7 +250,9 @@ inline std::vector<std::pair<std::string, EncodeOptions>> allChoices() {
           options.basis = basis;
           options.predictor = static_cast<Predictor>(predictor);
           options.order = order;
-          all.emplace_back(std::string(mode == Mode::kLattice ? "lattice" : basis == Basis::kGate ? "gate" : "tip") +
+          all.emplace_back(std::string(mode == Mode::kLattice  ? "lattice"
+                                       : basis == Basis::kGate ? "gate"
+                                                               : "tip") +
                                " predictor " + std::to_string(predictor) +
                                (order == Order::kDegree ? " degree" : " traversal"),
                            options);

@@ -117,8 +117,13 @@ TEST(Connectivity, RefusesOtherCounts) {
   const Coded coded = roundTrip(meshes::sphere(9, 14));
   const std::uint32_t faces = coded.surface.faceCount();
   const std::uint32_t vertices = coded.surface.vertexCount();
-  for (const auto& [f, v] : {std::pair{faces - 1, vertices}, {faces + 1, vertices}, {faces, vertices - 1},
-                             {faces, vertices + 1}, {0u, vertices}, {faces, 0u}, {0xffffffffu, vertices}}) {
+  for (const auto& [f, v] : {std::pair{faces - 1, vertices},
+                             {faces + 1, vertices},
+                             {faces, vertices - 1},
+                             {faces, vertices + 1},
+                             {0u, vertices},
+                             {faces, 0u},
+                             {0xffffffffu, vertices}}) {
     Surface surface;
     EntropyReader reader(coded.bytes);
     const Status status = decodeConnectivity(reader, f, v, surface);
@@ -133,8 +138,7 @@ TEST(Connectivity, DamagedStreamsNeverCrash) {
     damaged[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
     Surface surface;
     EntropyReader reader(damaged);
-    const Status status =
-        decodeConnectivity(reader, coded.surface.faceCount(), coded.surface.vertexCount(), surface);
+    const Status status = decodeConnectivity(reader, coded.surface.faceCount(), coded.surface.vertexCount(), surface);
     if (!status) {
       EXPECT_EQ(surface.faceCount(), coded.surface.faceCount());
     }
@@ -142,8 +146,7 @@ TEST(Connectivity, DamagedStreamsNeverCrash) {
   for (std::size_t length = 0; length < coded.bytes.size(); ++length) {
     Surface surface;
     EntropyReader reader(std::span(coded.bytes).first(length));
-    const Status status =
-        decodeConnectivity(reader, coded.surface.faceCount(), coded.surface.vertexCount(), surface);
+    const Status status = decodeConnectivity(reader, coded.surface.faceCount(), coded.surface.vertexCount(), surface);
     EXPECT_TRUE(status || !reader.atEnd() || reader.state() != kCoderStateMin + kChecksum);
   }
 }

@@ -20,7 +20,7 @@ struct Triangles {
   std::uint32_t faceCount() const { return static_cast<std::uint32_t>(indices.size() / 3); }
 
   std::uint32_t addVertex(float x, float y, float z) {
-    positions.insert(positions.end(), {x, y, z});
+    for (const float coordinate : {x, y, z}) positions.push_back(coordinate);
     return vertexCount() - 1;
   }
   void addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c) { indices.insert(indices.end(), {a, b, c}); }

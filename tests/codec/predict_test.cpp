@@ -84,7 +84,7 @@ TEST(Predict, WeightedFollowsTheExpectedAngles) {
 
 TEST(Predict, WeightedFallsBackWhereAnglesGiveNoTriangle) {
   const Vec3 left(0, 0, 0), right(1000, 0, 0), base(500, -800, 0);
-  EXPECT_EQ(weightedParallelogram(left, right, base, {kHalfTurn - 300, 200, 100}), parallelogram(left, right, base));
+  EXPECT_EQ(weightedParallelogram(left, right, base, {kHalfTurn - 256, 256, 0}), parallelogram(left, right, base));
 }
 
 TEST(Predict, ExpectedAnglesByValence) {

@@ -94,8 +94,8 @@ struct VertexTable {
 
 /// Triangles over one table. Borrowed.
 struct Primitive {
-  std::uint32_t table = 0;                           ///< index into `Mesh::tables`
-  std::span<const std::uint32_t> indices;            ///< 3 a triangle, each below the table's vertex count
+  std::uint32_t table = 0;                            ///< index into `Mesh::tables`
+  std::span<const std::uint32_t> indices;             ///< 3 a triangle, each below the table's vertex count
   ComponentType index_type = ComponentType::kUint32;  ///< kUint8, kUint16 or kUint32: type of the decoded indices
 };
 
@@ -160,9 +160,9 @@ struct StreamBits {
   double header = 0;
   double connectivity = 0;  ///< the welded, cut surface
   double positions = 0;
-  double references = 0;    ///< vertices met again at cuts
-  double corners = 0;       ///< which table vertex each corner uses, which primitive each face belongs to
-  double side_faces = 0;    ///< degenerate and duplicate triangles, unused vertices
+  double references = 0;  ///< vertices met again at cuts
+  double corners = 0;     ///< which table vertex each corner uses, which primitive each face belongs to
+  double side_faces = 0;  ///< degenerate and duplicate triangles, unused vertices
 };
 
 struct EncodeResult {
@@ -175,8 +175,8 @@ struct EncodeResult {
   StreamModes modes;
   StreamBits bits;
   std::uint64_t unique_positions = 0;  ///< after welding
-  double max_error = 0;  ///< largest distance between an input vertex and its decoded position, measured
-  double rms_error = 0;  ///< over the table vertices
+  double max_error = 0;                ///< largest distance between an input vertex and its decoded position, measured
+  double rms_error = 0;                ///< over the table vertices
 };
 
 /// Codes the mesh. The result has been decoded and compared before it is returned; deterministic on every platform.
@@ -190,8 +190,8 @@ struct OutputInfo {
   enum class Kind : std::uint8_t { kPositions, kIndices };
   Kind kind;
   ComponentType type;
-  std::uint32_t table = 0;     ///< of a primitive: the table that it indexes
-  std::uint64_t count = 0;     ///< vertices, or indices (3 a triangle)
+  std::uint32_t table = 0;        ///< of a primitive: the table that it indexes
+  std::uint64_t count = 0;        ///< vertices, or indices (3 a triangle)
   std::uint32_t byte_stride = 0;  ///< between positions, or between indices
   std::uint64_t byte_length = 0;  ///< count * byte_stride
 };

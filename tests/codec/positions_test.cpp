@@ -1,0 +1,161 @@
+// The position stage alone: what is coded is what is decoded, near its target, whatever the parameters.
+#include "positions.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "format.h"
+#include "meshes.h"
+#include "surface_builders.h"
+
+namespace tsc {
+namespace {
+
+constexpr std::uint32_t kChecksum = 0x600df00d;
+
+std::vector<PositionParameters> allParameters() {
+  std::vector<PositionParameters> all;
+  for (const Mode mode : {Mode::kLattice, Mode::kTangent}) {
+    for (const Basis basis : {Basis::kGate, Basis::kTip}) {
+      for (int predictor = 1; predictor <= 5; ++predictor) {
+        for (const Order order : {Order::kTraversal, Order::kDegree}) {
+          for (const bool hits : {false, true}) {
+            if (mode == Mode::kLattice && basis == Basis::kTip) continue;
+            PositionParameters p;
+            p.mode = mode;
+            p.basis = basis;
+            p.predictor = static_cast<Predictor>(predictor);
+            p.order = order;
+            p.exact_hits = hits;
+            p.fine_bits = mode == Mode::kTangent ? kFineBits : 0;
+            p.normal_scale = mode == Mode::kTangent ? static_cast<std::uint32_t>(predictor * 3) : 1;
+            all.push_back(p);
+          }
+        }
+      }
+    }
+  }
+  return all;
+}
+
+PositionMap identityMap(const Surface& surface) {
+  PositionMap map;
+  for (const std::uint8_t dummy : surface.is_dummy) {
+    map.vertex_position.push_back(dummy ? kNone : map.position_count++);
+  }
+  return map;
+}
+
+/// Codes, decodes and returns what was decoded.
+std::vector<Vec3> codedPositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
+                                 const std::vector<glm::dvec3>& target) {
+  EntropyWriter writer;
+  std::vector<Vec3> expected, decoded;
+  encodePositions(surface, map, parameters, target, writer, expected);
+  std::vector<std::byte> bytes;
+  writer.finish(kChecksum, bytes);
+  EntropyReader reader(bytes);
+  EXPECT_FALSE(decodePositions(surface, map, parameters, reader, decoded));
+  EXPECT_TRUE(reader.atEnd());
+  EXPECT_EQ(reader.state(), kCoderStateMin + kChecksum);
+  EXPECT_EQ(decoded, expected);
+  return decoded;
+}
+
+void expectNear(const PositionParameters& parameters, const std::vector<Vec3>& decoded,
+                const std::vector<glm::dvec3>& target) {
+  const double step = std::ldexp(1.0, parameters.fine_bits);
+  // Half the diagonal of a cell; in tangent mode the fine lattice adds its own.
+  const double bound = step * std::sqrt(0.75) * (1 + 1e-9) + (parameters.fine_bits > 0 ? 2 : 0);
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    const glm::dvec3 error = glm::dvec3(decoded[i]) - target[i];
+    ASSERT_LE(std::sqrt(glm::dot(error, error)), bound) << i;
+  }
+}
+
+TEST(Positions, ComeBackWithinHalfACell) {
+  std::mt19937 random(1);
+  const Surface surfaces[] = {test::tetrahedron(), test::sheet(), test::cube(), test::torus(9, 8), test::grid(9, 7)};
+  for (const PositionParameters& parameters : allParameters()) {
+    for (const Surface& surface : surfaces) {
+      for (const double size : {3.0, 1000.0, 3e7}) {
+        const PositionMap map = identityMap(surface);
+        std::vector<glm::dvec3> target(map.position_count);
+        for (glm::dvec3& t : target) {
+          for (int a = 0; a < 3; ++a) t[a] = size * (random() / 4294967296.0);
+        }
+        expectNear(parameters, codedPositions(surface, map, parameters, target), target);
+        if (testing::Test::HasFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(Positions, RepeatedPositionsAreCodedOnce) {
+  const Surface surface = test::grid(5, 5);
+  PositionMap map = identityMap(surface);
+  // The last row repeats the first.
+  for (std::uint32_t x = 0; x < 5; ++x) map.vertex_position[20 + x] = x;
+  map.position_count = 20;
+  std::vector<glm::dvec3> target;
+  for (int i = 0; i < 20; ++i) target.emplace_back(100.3 * (i % 5), 77.7 * (i / 5), (i * i) % 13);
+  for (const PositionParameters& parameters : allParameters()) {
+    expectNear(parameters, codedPositions(surface, map, parameters, target), target);
+  }
+}
+
+TEST(Positions, APlaneThatMeetsItsLatticeIsNearlyFree) {
+  const Surface surface = test::grid(40, 40);
+  const PositionMap map = identityMap(surface);
+  std::vector<glm::dvec3> target;
+  for (int i = 0; i < 1600; ++i) target.emplace_back(64 * (i % 40), 64 * (i / 40), 192 * (i % 40));
+  for (const PositionParameters& parameters : allParameters()) {
+    if (parameters.predictor == Predictor::kWeighted || parameters.predictor == Predictor::kValence) continue;
+    EntropyWriter writer;
+    std::vector<Vec3> decoded;
+    encodePositions(surface, map, parameters, target, writer, decoded);
+    EXPECT_LT(writer.bitsSince(0) / 1600, 1) << static_cast<int>(parameters.predictor);
+  }
+}
+
+TEST(Positions, HostileBytesEndInTime) {
+  std::mt19937 random(2);
+  const Surface surface = test::torus(20, 20);
+  const PositionMap map = identityMap(surface);
+  for (const PositionParameters& parameters : allParameters()) {
+    for (int i = 0; i < 20; ++i) {
+      std::vector<std::byte> bytes(random() % 3000);
+      for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+      EntropyReader reader(bytes);
+      std::vector<Vec3> decoded;
+      if (decodePositions(surface, map, parameters, reader, decoded)) continue;
+      for (const Vec3& p : decoded) {
+        for (int a = 0; a < 3; ++a) ASSERT_LE(std::abs(p[a]), kCoordinateLimit);
+      }
+    }
+  }
+}
+
+TEST(Positions, ExtraOnes) {
+  std::mt19937 random(3);
+  std::vector<glm::dvec3> target(500);
+  for (glm::dvec3& t : target) {
+    for (int a = 0; a < 3; ++a) t[a] = (random() / 4294967296.0 - 0.5) * 1e8;
+  }
+  EntropyWriter writer;
+  std::vector<Vec3> expected(target.size()), decoded(target.size());
+  encodeExtraPositions(target, writer, expected);
+  std::vector<std::byte> bytes;
+  writer.finish(kChecksum, bytes);
+  EntropyReader reader(bytes);
+  EXPECT_FALSE(decodeExtraPositions(reader, decoded));
+  EXPECT_EQ(decoded, expected);
+  EXPECT_TRUE(reader.atEnd());
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    for (int a = 0; a < 3; ++a) ASSERT_LE(std::abs(decoded[i][a] - target[i][a]), 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace tsc
