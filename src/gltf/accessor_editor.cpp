@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <string_view>
+#include <type_traits>
 
 #include "fault.h"
 #include "json_document.h"
@@ -19,6 +21,43 @@ std::size_t roundUp(std::size_t value, std::size_t multiple) { return (value + m
 /// Writes an offset, leaving out what is the default and was not there.
 void setOffset(Json& holder, std::uint64_t offset) {
   if (offset != 0 || holder.contains("byteOffset")) holder["byteOffset"] = offset;
+}
+
+template <class T>
+Json componentAt(const std::byte* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof(value));
+  if constexpr (std::is_floating_point_v<T>) return double{value};
+  return value;
+}
+
+Json readComponent(const std::byte* bytes, std::uint32_t gl_type) {
+  switch (gl_type) {
+    case kGlByte: return componentAt<std::int8_t>(bytes);
+    case kGlUnsignedByte: return componentAt<std::uint8_t>(bytes);
+    case kGlShort: return componentAt<std::int16_t>(bytes);
+    case kGlUnsignedShort: return componentAt<std::uint16_t>(bytes);
+    case kGlUnsignedInt: return componentAt<std::uint32_t>(bytes);
+    default: return componentAt<float>(bytes);
+  }
+}
+
+/// Bounds that are stated become those of the data. What was compressed with loss often states those from before.
+void correctBounds(Json& accessor, const AccessorInfo& info, const std::vector<std::byte>& elements) {
+  const std::size_t components = info.element_bytes / info.component_bytes;
+  for (const char* key : {"min", "max"}) {
+    const bool is_min = std::string_view(key) == "min";
+    Json* bounds = accessor.contains(key) ? &accessor[key] : nullptr;
+    if (bounds == nullptr || !bounds->is_array() || bounds->size() != components || elements.empty()) continue;
+    for (std::size_t c = 0; c < components; ++c) {
+      Json best = readComponent(elements.data() + c * info.component_bytes, info.component_type);
+      for (std::size_t at = c * info.component_bytes; at < elements.size(); at += info.element_bytes) {
+        Json value = readComponent(elements.data() + at, info.component_type);
+        if (is_min ? value < best : best < value) best = std::move(value);
+      }
+      if ((*bounds)[c] != best) (*bounds)[c] = std::move(best);
+    }
+  }
 }
 
 }  // namespace
@@ -121,6 +160,15 @@ std::size_t AccessorEditor::reorder(std::size_t old, std::span<const std::uint32
     if (data_.hasOverlay(old)) json(accessor)["count"] = info.count;
   }
   if (info.sparse) reorderSparse(accessor, info, order);
+  if (data_.isCompressed(old)) correctBounds(json(accessor), info, data_.elements(info));
+  return accessor;
+}
+
+std::size_t AccessorEditor::follow(std::size_t old, std::size_t stored) {
+  const std::size_t accessor = claim(old);
+  const Json source = json(stored);
+  json(accessor)["bufferView"] = source["bufferView"];
+  setOffset(json(accessor), source.value("byteOffset", std::uint64_t{0}));
   return accessor;
 }
 

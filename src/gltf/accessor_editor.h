@@ -36,6 +36,10 @@ class AccessorEditor {
   /// has it. Sparse accessors stay sparse.
   std::size_t reorder(std::size_t old, std::span<const std::uint32_t> order);
 
+  /// The accessor `old`, whose bytes are those of one that `reorder` made `stored` of: gives one over the same new
+  /// bytes.
+  std::size_t follow(std::size_t old, std::size_t stored);
+
   /// Points `accessor` at `indices`, written with `component_type` into a view for indices.
   void setIndices(std::size_t accessor, std::span<const std::uint32_t> indices, std::uint32_t component_type);
 

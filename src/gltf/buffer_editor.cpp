@@ -104,11 +104,20 @@ void BufferEditor::replace(std::size_t view, std::vector<std::byte> bytes) {
   replaced_.push_back({view, std::move(bytes)});
 }
 
+void BufferEditor::trim(std::size_t index, std::uint64_t begin, std::uint64_t end) {
+  Json& view = asset_.document["bufferViews"][index];
+  const PlacedRange range = readRange(view, index);
+  trimmed_.push_back({range.buffer, {range.begin, range.end}});
+  if (begin != 0) view["byteOffset"] = range.begin + begin;
+  view["byteLength"] = end - begin;
+}
+
 std::vector<bool> BufferEditor::droppedViews() {
   const std::set<std::size_t> used = usedViews();
   std::vector<bool> dropped(countOf(asset_.document, "bufferViews"));
   for (const std::size_t view : used_before_) {
-    if (view < dropped.size()) dropped[view] = used.count(view) == 0 && unknown_.count(view) == 0;
+    if (view < dropped.size())
+      dropped[view] = used.count(view) == 0 && (unknown_.count(view) == 0 || released_.count(view) > 0);
   }
   return dropped;
 }
@@ -152,6 +161,9 @@ void BufferEditor::releaseBytes(const std::vector<bool>& dropped) {
     auto& list = dropped[view] || moved.count(view) > 0 ? released : kept;
     list[range.buffer].push_back({range.begin, range.end});
   });
+  for (const TrimmedRange& trimmed : trimmed_) {
+    if (trimmed.buffer < released.size()) released[trimmed.buffer].push_back(trimmed.range);
+  }
   for (std::size_t i = 0; i < asset_.buffers.size(); ++i) {
     if (asset_.buffers[i].source != Source::kPlaceholder && !released[i].empty()) {
       compactBuffer(i, merged(std::move(released[i])), merged(std::move(kept[i])));
@@ -277,6 +289,11 @@ void BufferEditor::placeViews(const std::vector<bool>& dropped) {
       }
     }
   }
+  while (next_free < free_slots.size() && free_slots.back() + 1 == views.size() &&
+         released_.count(free_slots.back()) > 0) {
+    views.erase(views.size() - 1);
+    free_slots.pop_back();
+  }
   // Slots that nobody took are removed where that renumbers nothing that an unknown extension could name; otherwise
   // they stay as views of a few bytes.
   std::vector<std::size_t> new_index(views.size());
@@ -321,7 +338,10 @@ void BufferEditor::removeEmptyBuffers(const std::set<std::size_t>& referenced_be
     const bool was_ours = referenced_before.count(i) > 0 || buffer.source == Source::kMemory;
     Json& entry = asset_.document["buffers"][i];
     moves[i] = {buffers.size(), 0};
-    if (empty && was_ours && referenced.count(i) == 0 && unknown_.lower_bound(i) == unknown_.end()) continue;
+    // Our own placeholder is the last buffer: without it, no other gets another number.
+    const bool is_last_placeholder = i + 1 == asset_.buffers.size() && findExtension(entry, kExtensionName) != nullptr;
+    const bool renumbers_none = is_last_placeholder || unknown_.lower_bound(i) == unknown_.end();
+    if (empty && was_ours && referenced.count(i) == 0 && renumbers_none) continue;
     if (buffer.source != Source::kPlaceholder) {
       if (buffer.bytes.empty()) buffer.bytes.resize(kViewAlignment);
       if (entry["byteLength"] != buffer.bytes.size()) entry["byteLength"] = buffer.bytes.size();
@@ -351,7 +371,7 @@ void BufferEditor::commit() {
   const std::set<std::size_t> referenced_before = referencedBuffers();
   const std::vector<bool> dropped = droppedViews();
   const bool drops = std::find(dropped.begin(), dropped.end(), true) != dropped.end();
-  if (new_.empty() && replaced_.empty() && !drops) return;
+  if (new_.empty() && replaced_.empty() && trimmed_.empty() && !drops) return;
   overwriteInPlace();
   releaseBytes(dropped);
   placeViews(dropped);

@@ -34,6 +34,16 @@ class BufferEditor {
   /// Gives a view of the document other bytes. Its other properties may be edited in the document.
   void replace(std::size_t view, std::vector<std::byte> bytes);
 
+  /// Cuts a view of the document down to its bytes `begin` to `end`; what was around them is removed unless others use
+  /// it. `begin` must be a multiple of eight.
+  void trim(std::size_t view, std::uint64_t begin, std::uint64_t end);
+
+  /// Tells that nobody but this library can mean a view: it may go even if an unknown extension has a number like it.
+  void release(std::size_t view) { released_.insert(view); }
+
+  /// Whether a number that may be a reference could mean this view.
+  bool maybeNamed(std::size_t view) const { return unknown_.count(view) > 0; }
+
   /// Carries everything out: views that had a user and have none now are dropped, buffers compacted, references
   /// renumbered where they must be.
   void commit();
@@ -56,6 +66,11 @@ class BufferEditor {
     std::uint64_t end;
   };
 
+  struct TrimmedRange {
+    std::size_t buffer;
+    Range range;
+  };
+
   std::set<std::size_t> usedViews();
   std::size_t targetBuffer();
   std::vector<bool> droppedViews();
@@ -73,6 +88,8 @@ class BufferEditor {
   std::set<std::size_t> used_before_;
   std::vector<NewView> new_;
   std::vector<Replacement> replaced_;
+  std::vector<TrimmedRange> trimmed_;
+  std::set<std::size_t> released_;
   std::uint64_t placeholder_bytes_ = 0;
 };
 

@@ -38,16 +38,12 @@ std::size_t elementBytes(const std::string& type, std::size_t component_bytes, c
 std::size_t glTypeBytes(std::uint32_t component_type, const std::string& place) {
   switch (component_type) {
     case kGlByte:
-    case kGlUnsignedByte:
-      return 1;
+    case kGlUnsignedByte: return 1;
     case kGlShort:
-    case kGlUnsignedShort:
-      return 2;
+    case kGlUnsignedShort: return 2;
     case kGlUnsignedInt:
-    case kGlFloat:
-      return 4;
-    default:
-      failInvalid(place, "found " + number(component_type) + ", expected 5120, 5121, 5122, 5123, 5125 or 5126");
+    case kGlFloat: return 4;
+    default: failInvalid(place, "found " + number(component_type) + ", expected 5120, 5121, 5122, 5123, 5125 or 5126");
   }
 }
 
@@ -214,6 +210,25 @@ std::vector<std::uint32_t> DataAccess::indices(const AccessorInfo& info) {
 
 void DataAccess::overlay(std::size_t accessor, std::vector<std::byte> bytes, std::uint64_t count) {
   overlays_[accessor] = {std::move(bytes), count};
+}
+
+bool DataAccess::isCompressed(std::size_t accessor) const {
+  if (hasOverlay(accessor)) return true;
+  const JsonView json = elementOf(asset_.document, "accessors", accessor);
+  const auto isMeshopt = [&](const JsonView& holder) {
+    const auto view = holder.find("bufferView");
+    return view && findMeshoptRange(elementOf(asset_.document, "bufferViews", view->asUint())).has_value();
+  };
+  if (isMeshopt(json)) return true;
+  const auto sparse = json.find("sparse");
+  return sparse && (isMeshopt((*sparse)["indices"]) || isMeshopt((*sparse)["values"]));
+}
+
+std::size_t DataAccess::canonical(std::size_t accessor) {
+  const AccessorInfo info = this->accessor(accessor);
+  if (!info.view || info.sparse || hasOverlay(accessor)) return accessor;
+  return canonical_.emplace(std::tuple(*info.view, info.offset, info.component_type, info.type, info.count), accessor)
+      .first->second;
 }
 
 }  // namespace tsc

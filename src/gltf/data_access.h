@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "json_document.h"
@@ -70,6 +71,12 @@ class DataAccess {
   void overlay(std::size_t accessor, std::vector<std::byte> bytes, std::uint64_t count);
   bool hasOverlay(std::size_t accessor) const { return overlays_.count(accessor) > 0; }
 
+  /// Whether an accessor's data is Draco's or lies in a view that meshopt compressed.
+  bool isCompressed(std::size_t accessor) const;
+
+  /// The accessor that stands for all those over the same bytes, read in the same way: the first one asked about.
+  std::size_t canonical(std::size_t accessor);
+
  private:
   struct Overlay {
     std::vector<std::byte> bytes;
@@ -82,6 +89,8 @@ class DataAccess {
   const Asset& asset_;
   std::map<std::size_t, std::vector<std::byte>> decoded_views_;
   std::map<std::size_t, Overlay> overlays_;
+  /// By view, offset, component type, type and count.
+  std::map<std::tuple<std::size_t, std::uint64_t, std::uint32_t, std::string, std::uint64_t>, std::size_t> canonical_;
 };
 
 /// Bytes `offset`, `length` of buffer `buffer`, checked. `place` goes into the failure.

@@ -20,27 +20,6 @@ namespace {
   fail(FailureKind::kIo, "", "cannot " + what + " " + path.string() + ": " + std::strerror(error));
 }
 
-/// Closes a file descriptor on every way out.
-class Descriptor {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  int get() const { return value_; }
-  /// Closes now, for the errors that only close reports.
-  bool close() {
-    const int result = ::close(value_);
-    value_ = -1;
-    return result == 0;
-  }
-
- private:
-  int value_;
-};
-
 void writeAll(const Descriptor& file, std::span<const std::byte> bytes, const fs::path& path) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
@@ -52,17 +31,35 @@ void writeAll(const Descriptor& file, std::span<const std::byte> bytes, const fs
   }
 }
 
-/// Opens a new file in the target's folder under a name that nobody uses; -1 and errno if that fails.
-int createBeside(const fs::path& target, fs::path& temporary) {
+/// Calls `create` with names in the target's folder until one is free; gives its result, -1 and errno if that fails.
+template <class Create>
+int underFreeName(const fs::path& target, fs::path& temporary, const Create& create) {
   constexpr int kAttempts = 1000;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     temporary = target.parent_path() / ("." + target.filename().string() + "." + std::to_string(::getpid()) + "-" +
                                         std::to_string(attempt) + ".part");
-    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+    const int result = create(temporary.c_str());
+    if (result >= 0 || errno != EEXIST) return result;
   }
   errno = EEXIST;
   return -1;
+}
+
+std::string descriptorPath(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
+/// A file without a name in the target's folder; -1 where the system has no such thing.
+int createNameless(const fs::path& target) {
+  const fs::path folder = target.parent_path();
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+  if (descriptor >= 0 && ::access(descriptorPath(descriptor).c_str(), F_OK) != 0) {
+    ::close(descriptor);  // without /proc it could never get a name
+    return -1;
+  }
+  return descriptor;
+}
+
+int nameFile(int descriptor, const char* name) {
+  return ::linkat(AT_FDCWD, descriptorPath(descriptor).c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW);
 }
 
 /// Makes a renamed entry durable. Best effort: some file systems refuse to flush a folder.
@@ -122,9 +119,17 @@ fs::path resolveUri(std::string_view uri, const fs::path& folder, bool allow_ext
   return path;
 }
 
+Descriptor::~Descriptor() {
+  if (value_ >= 0) ::close(value_);
+}
+
+bool Descriptor::close() { return ::close(std::exchange(value_, -1)) == 0; }
+
 FileBatch::~FileBatch() {
   std::error_code ignored;
-  for (const Pending& file : pending_) fs::remove(file.temporary, ignored);
+  for (const Pending& file : pending_) {
+    if (!file.temporary.empty()) fs::remove(file.temporary, ignored);
+  }
   for (const fs::path& target : created_) fs::remove(target, ignored);
 }
 
@@ -143,33 +148,53 @@ void FileBatch::add(const fs::path& target, std::span<const std::byte> bytes, bo
   }
   // A symbolic link keeps pointing where it does; the file behind it is replaced.
   const fs::path real = fs::is_symlink(target, ignored) ? fs::weakly_canonical(target) : target;
+  Descriptor file(createNameless(real));
+  const bool nameless = file.get() >= 0;
   fs::path temporary;
-  Descriptor file(createBeside(real, temporary));
-  if (file.get() < 0) failIo("create a file beside", target, errno);
-  pending_.push_back({temporary, real, force});
+  if (!nameless) {
+    file = Descriptor(underFreeName(
+        real, temporary, [](const char* name) { return ::open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }));
+    if (file.get() < 0) failIo("create a file beside", target, errno);
+  }
+  pending_.push_back({Descriptor(-1), temporary, real, force});
   writeAll(file, bytes, target);
   struct stat old {};
   if (::stat(real.c_str(), &old) == 0) (void)::fchmod(file.get(), old.st_mode & 0777);
   if (::fsync(file.get()) != 0) failIo("flush", target, errno);
-  if (!file.close()) failIo("write", target, errno);
+  if (nameless) {
+    pending_.back().nameless = std::move(file);
+  } else if (!file.close()) {
+    failIo("write", target, errno);
+  }
+}
+
+/// Gives a complete file the name of its target.
+void FileBatch::place(Pending& file) {
+  const bool nameless = file.nameless.get() >= 0;
+  if (!file.force) {
+    // A link fails where the target has come into being meanwhile, which a rename would overwrite.
+    const int result = nameless ? nameFile(file.nameless.get(), file.target.c_str())
+                                : ::link(file.temporary.c_str(), file.target.c_str());
+    if (result == 0) {
+      if (!nameless) ::unlink(file.temporary.c_str());
+      return;
+    }
+    if (errno == EEXIST) fail(FailureKind::kUsage, "", file.target.string() + " exists already");
+  }
+  if (nameless) {
+    const int result = underFreeName(file.target, file.temporary,
+                                     [&](const char* name) { return nameFile(file.nameless.get(), name); });
+    if (result != 0) failIo("create a file beside", file.target, errno);
+  }
+  if (::rename(file.temporary.c_str(), file.target.c_str()) != 0) failIo("write", file.target, errno);
 }
 
 void FileBatch::commit() {
   std::error_code ignored;
   while (!pending_.empty()) {
-    const Pending& file = pending_.front();
+    Pending& file = pending_.front();
     const bool existed = fs::exists(file.target, ignored);
-    if (file.force) {
-      if (::rename(file.temporary.c_str(), file.target.c_str()) != 0) failIo("write", file.target, errno);
-    } else {
-      // A link fails where the target has come into being meanwhile, which a rename would overwrite.
-      if (::link(file.temporary.c_str(), file.target.c_str()) != 0) {
-        if (errno == EEXIST) fail(FailureKind::kUsage, "", file.target.string() + " exists already");
-        if (::rename(file.temporary.c_str(), file.target.c_str()) != 0) failIo("write", file.target, errno);
-      } else {
-        ::unlink(file.temporary.c_str());
-      }
-    }
+    place(file);
     if (!existed) created_.push_back(file.target);
     flushFolder(file.target.parent_path());
     pending_.erase(pending_.begin());

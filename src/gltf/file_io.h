@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tsc/gltf.h"
@@ -18,8 +19,28 @@ namespace tsc {
 std::filesystem::path resolveUri(std::string_view uri, const std::filesystem::path& folder, bool allow_external,
                                  std::string_view place);
 
-/// Files that appear together: each is written beside its target first; `commit` renames them all, in the order in
-/// which they were added. Whatever has not been committed is removed by the destructor.
+/// A file descriptor, closed on every way out.
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(value_, other.value_);
+    return *this;
+  }
+  ~Descriptor();
+  int get() const { return value_; }
+  /// Closes now, for the errors that only close reports.
+  bool close();
+
+ private:
+  int value_;
+};
+
+/// Files that appear together: each is written and flushed in the folder of its target first; `commit` puts them all
+/// in their places, in the order in which they were added. Whatever has not been committed is removed by the
+/// destructor. Where the file system can, files have no name until they are complete, so that a process that is killed
+/// leaves nothing behind either.
 class FileBatch {
  public:
   FileBatch() = default;
@@ -34,10 +55,13 @@ class FileBatch {
 
  private:
   struct Pending {
-    std::filesystem::path temporary;
+    Descriptor nameless;              ///< the file itself while it has no name, or -1
+    std::filesystem::path temporary;  ///< its name beside the target, if it has one
     std::filesystem::path target;
     bool force = false;
   };
+  static void place(Pending& file);
+
   std::vector<Pending> pending_;
   std::vector<std::filesystem::path> created_;  ///< targets that did not exist before `commit`
 };

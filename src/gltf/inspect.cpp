@@ -1,11 +1,11 @@
 // Counting what an asset holds, without decoding it.
 #include <set>
 
+#include "conformance.h"
 #include "data_access.h"
 #include "fault.h"
 #include "json_document.h"
 #include "mesh_groups.h"
-#include "packed_views.h"
 
 namespace tsc {
 namespace {
@@ -49,23 +49,21 @@ void countMeshes(const Asset& asset, AssetSummary& summary,
   }
 }
 
-StreamSummary summarise(const Asset& asset, std::size_t stream, const std::vector<PackedView>& views,
+StreamSummary summarise(const Asset& asset, const PackedStream& stream,
                         std::map<std::size_t, std::set<std::size_t>>& meshes_of_view) {
   DataAccess data(asset);
-  const std::span<const std::byte> bytes = data.viewBytes(stream);
   StreamSummary summary;
-  summary.buffer_view = stream;
-  summary.stream_bytes = bytes.size();
-  Result<StreamInfo> info = readStreamInfo(bytes, {asset.options.limits.max_output_bytes});
-  if (!info) failInvalid("/bufferViews/" + std::to_string(stream), describe(info.error()));
-  summary.info = *std::move(info);
+  summary.buffer_view = stream.view;
+  summary.stream_bytes = data.viewBytes(stream.view).size();
+  if (const auto order = stream.views.front().order) summary.order_bytes = data.viewBytes(*order).size();
+  summary.info = stream.info;
   for (const OutputInfo& output : summary.info.outputs) {
     summary.decoded_bytes += output.byte_length;
     (output.kind == OutputInfo::Kind::kPositions ? summary.vertices : summary.triangles) += output.count;
   }
   summary.triangles /= 3;
   std::set<std::size_t> meshes;
-  for (const PackedView& view : views)
+  for (const PackedView& view : stream.views)
     meshes.insert(meshes_of_view[view.view].begin(), meshes_of_view[view.view].end());
   summary.meshes.assign(meshes.begin(), meshes.end());
   for (const std::size_t mesh : meshes) {
@@ -87,8 +85,8 @@ Expected<AssetSummary> inspectAsset(const Asset& asset) {
     }
     std::map<std::size_t, std::set<std::size_t>> meshes_of_view;
     countMeshes(asset, summary, meshes_of_view);
-    for (const auto& [stream, views] : findPackedViews(asset.document)) {
-      summary.streams.push_back(summarise(asset, stream, views, meshes_of_view));
+    for (const PackedStream& stream : checkConformance(asset)) {
+      summary.streams.push_back(summarise(asset, stream, meshes_of_view));
     }
     return summary;
   });

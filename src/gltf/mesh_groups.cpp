@@ -164,7 +164,8 @@ struct TableDraft {
 
 class Surveyor {
  public:
-  Surveyor(const Asset& asset, DataAccess& data) : asset_(asset), data_(data), draco_(asset, data) {}
+  Surveyor(const Asset& asset, DataAccess& data, bool order_kept)
+      : asset_(asset), data_(data), order_kept_(order_kept), draco_(asset, data) {}
 
   MeshSurvey run() {
     readPrimitives();
@@ -184,6 +185,7 @@ class Surveyor {
         const JsonView json = primitives.at(p);
         PrimitiveInfo info = readPrimitive(json, m, p);
         if (info.keep_reason.empty()) info.keep_reason = mesh_reason;
+        if (order_kept_) info.keep_reason.clear();
         try {
           draco_.read(json, info);
         } catch (const Fault& fault) {
@@ -220,8 +222,8 @@ class Surveyor {
       const PrimitiveInfo& info = survey_.primitives[i];
       table_of_primitive_.push_back(SIZE_MAX);
       if (!info.position) continue;
-      const auto [entry, added] = table_of_accessor.emplace(*info.position, tables_.size());
-      if (added) tables_.push_back({*info.position, data_.accessor(*info.position), {}, {}});
+      const auto [entry, added] = table_of_accessor.emplace(data_.canonical(*info.position), tables_.size());
+      if (added) tables_.push_back({entry->first, data_.accessor(entry->first), {}, {}});
       TableDraft& table = tables_[entry->second];
       table_of_primitive_[i] = entry->second;
       table.users.push_back(i);
@@ -328,8 +330,10 @@ class Surveyor {
     for (const std::size_t user : draft.users) {
       const PrimitiveInfo& info = survey_.primitives[user];
       if (!info.isTriangles()) continue;
+      std::optional<std::size_t> indices;
+      if (info.indices) indices = data_.canonical(*info.indices);
       const auto [entry, added] =
-          known.emplace(std::pair(info.indices.value_or(SIZE_MAX), info.mode), group.primitives.size());
+          known.emplace(std::pair(indices.value_or(SIZE_MAX), info.mode), group.primitives.size());
       if (added) {
         std::vector<std::uint32_t> triangles = toTriangles(info.mode, vertexSequence(info, draft.info.count));
         if (triangles.empty()) {
@@ -337,7 +341,7 @@ class Surveyor {
           continue;
         }
         group.primitives.push_back(
-            {table, info.indices, info.mode, std::move(triangles), indexType(info, draft.info.count), {}});
+            {table, indices, info.mode, std::move(triangles), indexType(info, draft.info.count), {}});
       }
       group.primitives[entry->second].users.push_back(user);
       meshes.insert(info.mesh);
@@ -348,6 +352,7 @@ class Surveyor {
 
   const Asset& asset_;
   DataAccess& data_;
+  const bool order_kept_;
   DracoReader draco_;
   MeshSurvey survey_;
   std::vector<TableDraft> tables_;
@@ -382,6 +387,8 @@ std::string meshLabel(const Json& document, std::size_t mesh) {
   return "meshes/" + number(mesh);
 }
 
-MeshSurvey surveyMeshes(const Asset& asset, DataAccess& data) { return Surveyor(asset, data).run(); }
+MeshSurvey surveyMeshes(const Asset& asset, DataAccess& data, bool order_kept) {
+  return Surveyor(asset, data, order_kept).run();
+}
 
 }  // namespace tsc

@@ -1,9 +1,9 @@
 // What can be packed, and what must be packed together.
 //
-// A vertex table is the set of vertices behind one POSITION accessor. Primitives that use it share its index space, be
-// they triangles, lines or points. The tables of all triangle primitives of one mesh go into one stream, and so do
-// meshes that share a table. Where one primitive of such a group cannot be packed, none is: its vertices would part
-// from those of its neighbours.
+// A vertex table is the set of vertices behind one POSITION accessor, or several over the same bytes. Primitives that
+// use it share its index space, be they triangles, lines or points. The tables of all triangle primitives of one mesh
+// go into one stream, and so do meshes that share a table. Where one primitive of such a group cannot be packed, none
+// is: its vertices would part from those of its neighbours.
 #pragma once
 
 #include <cstddef>
@@ -51,7 +51,7 @@ struct PrimitiveInfo {
   bool isTriangles() const { return mode >= kTriangles; }
 };
 
-/// Triangles that are coded once: equal (table, indices, mode).
+/// Triangles that are coded once: equal (table, indices, mode), where accessors over the same bytes are equal.
 struct CodedPrimitive {
   std::size_t table;  ///< in `MeshGroup::tables`
   std::optional<std::size_t> indices;
@@ -82,8 +82,9 @@ struct MeshSurvey {
 };
 
 /// Finds out what can be packed. Decodes Draco primitives into `data` on the way. Raises kInvalidInput on documents
-/// that contradict themselves where pack must rely on them.
-MeshSurvey surveyMeshes(const Asset& asset, DataAccess& data);
+/// that contradict themselves where pack must rely on them. `order_kept`: vertices and triangles will come back in
+/// their order, so that no extension can stand in the way by naming them.
+MeshSurvey surveyMeshes(const Asset& asset, DataAccess& data, bool order_kept = false);
 
 /// The triangles that a primitive of this mode makes of its vertices, degenerate ones included. (glTF 2.0, 3.7.2.1)
 std::vector<std::uint32_t> toTriangles(std::uint32_t mode, std::vector<std::uint32_t> indices);

@@ -5,6 +5,22 @@
 #include "json_document.h"
 
 namespace tsc {
+namespace {
+
+/// The view that `json` names, which must exist and be plain.
+std::size_t plainView(const Json& document, const JsonView& json) {
+  const std::size_t count = countOf(document, "bufferViews");
+  const std::size_t view = json["bufferView"].asUint();
+  const std::string place = json.pointer() + "/bufferView";
+  if (view >= count)
+    failInvalid(place, "found " + std::to_string(view) + ", expected one below " + std::to_string(count));
+  if (findExtension(elementOf(document, "bufferViews", view).json(), kExtensionName) != nullptr) {
+    failInvalid(place, "found " + std::to_string(view) + ", which is packed itself");
+  }
+  return view;
+}
+
+}  // namespace
 
 std::map<std::size_t, std::vector<PackedView>> findPackedViews(const Json& document) {
   std::map<std::size_t, std::vector<PackedView>> streams;
@@ -18,14 +34,12 @@ std::map<std::size_t, std::vector<PackedView>> findPackedViews(const Json& docum
     packed.place = view.pointer() + "/extensions/" + std::string(kExtensionName);
     packed.byte_length = view["byteLength"].asUint();
     const JsonView json(*extension, packed.place);
-    const std::size_t stream = json["bufferView"].asUint();
+    const std::size_t stream = plainView(document, json);
     packed.output = json["output"].asUint();
-    if (stream >= count) {
-      failInvalid(packed.place + "/bufferView",
-                  "found " + std::to_string(stream) + ", expected one below " + std::to_string(count));
-    }
-    if (findExtension(elementOf(document, "bufferViews", stream).json(), kExtensionName) != nullptr) {
-      failInvalid(packed.place + "/bufferView", "found " + std::to_string(stream) + ", which is packed itself");
+    if (const auto order = json.find("order")) packed.order = plainView(document, *order);
+    const std::vector<PackedView>& siblings = streams[stream];
+    if (!siblings.empty() && siblings.front().order != packed.order) {
+      failInvalid(packed.place, "found another order than that of " + siblings.front().place);
     }
     streams[stream].push_back(std::move(packed));
   }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,12 @@ struct PackedView {
   std::size_t view = 0;
   std::size_t output = 0;
   std::uint64_t byte_length = 0;
-  std::string place;  ///< JSON pointer of the extension
+  std::optional<std::size_t> order;  ///< view with the original order, if that is kept
+  std::string place;                 ///< JSON pointer of the extension
 };
 
-/// Packed views by the view that holds their stream. Raises kInvalidInput on contradictions.
+/// Packed views by the view that holds their stream; all of one stream have the same `order`. Raises kInvalidInput on
+/// contradictions.
 std::map<std::size_t, std::vector<PackedView>> findPackedViews(const Json& document);
 
 }  // namespace tsc

@@ -1,55 +1,41 @@
 // Unpacking: decodes every stream into plain buffer views and takes the extension out of the document.
-#include <map>
+#include <algorithm>
 
 #include "buffer_editor.h"
+#include "conformance.h"
 #include "data_access.h"
 #include "fault.h"
 #include "json_document.h"
-#include "packed_views.h"
+#include "original_order.h"
 
 namespace tsc {
 namespace {
 
-std::string number(std::uint64_t value) { return std::to_string(value); }
-
 /// Decodes one stream into the views that name it. `budget` bounds the decoded bytes of the whole asset.
-void unpackStream(const Asset& asset, std::size_t stream, const std::vector<PackedView>& views, std::uint64_t& budget,
-                  BufferEditor& buffers) {
+void unpackStream(const Asset& asset, const PackedStream& stream, std::uint64_t& budget, BufferEditor& buffers) {
   DataAccess data(asset);
-  const std::string place = "/bufferViews/" + number(stream);
-  const std::span<const std::byte> bytes = data.viewBytes(stream);
-  const DecodeLimits limits{budget};
-  const Result<StreamInfo> info = readStreamInfo(bytes, limits);
-  if (!info) failInvalid(place, describe(info.error()));
-  for (const PackedView& view : views) {
-    if (view.output >= info->outputs.size()) {
-      failInvalid(view.place + "/output",
-                  "found " + number(view.output) + ", expected one below " + number(info->outputs.size()));
-    }
-    if (view.byte_length != info->outputs[view.output].byte_length) {
-      failInvalid("/bufferViews/" + number(view.view) + "/byteLength",
-                  "found " + number(view.byte_length) + ", expected " + number(info->outputs[view.output].byte_length) +
-                      ", the length of the decoded array");
-    }
-  }
-  Result<std::vector<std::vector<std::byte>>> decoded = decode(bytes, limits);
-  if (!decoded) failInvalid(place, describe(decoded.error()));
+  Result<std::vector<std::vector<std::byte>>> decoded = decode(data.viewBytes(stream.view), DecodeLimits{budget});
+  if (!decoded) failInvalid("/bufferViews/" + std::to_string(stream.view), describe(decoded.error()));
   for (const std::vector<std::byte>& output : *decoded) budget -= std::min<std::uint64_t>(budget, output.size());
-  std::map<std::size_t, std::size_t> uses;
-  for (const PackedView& view : views) ++uses[view.output];
-  for (const PackedView& view : views) {
-    std::vector<std::byte>& output = (*decoded)[view.output];
-    buffers.replace(view.view, --uses[view.output] == 0 ? std::move(output) : output);
+  if (const auto order = stream.views.front().order) {
+    restoreOriginalOrder(data.viewBytes(*order), stream.info.outputs, *decoded,
+                         "/bufferViews/" + std::to_string(*order));
   }
+  checkDecoded(asset, stream, *decoded);
+  buffers.release(stream.view);
+  if (const auto order = stream.views.front().order) buffers.release(*order);
+  // No two views name the same output.
+  for (const PackedView& view : stream.views) buffers.replace(view.view, std::move((*decoded)[view.output]));
 }
 
 void unpack(Asset& asset) {
-  const std::map<std::size_t, std::vector<PackedView>> streams = findPackedViews(asset.document);
+  const std::vector<PackedStream> streams = checkConformance(asset);
   BufferEditor buffers(asset);
   std::uint64_t budget = asset.options.limits.max_output_bytes;
-  for (const auto& [stream, views] : streams) unpackStream(asset, stream, views, budget, buffers);
-  for (const auto& [stream, views] : streams) {
-    for (const PackedView& view : views) eraseExtension(asset.document["bufferViews"][view.view], kExtensionName);
+  for (const PackedStream& stream : streams) unpackStream(asset, stream, budget, buffers);
+  for (const PackedStream& stream : streams) {
+    for (const PackedView& view : stream.views)
+      eraseExtension(asset.document["bufferViews"][view.view], kExtensionName);
   }
   buffers.commit();
   for (std::size_t i = 0; i < countOf(asset.document, "buffers"); ++i) {
@@ -58,18 +44,27 @@ void unpack(Asset& asset) {
   undeclareExtension(asset.document, kExtensionName);
 }
 
+bool isListed(const Json& document, const char* list) {
+  const auto names = document.find(list);
+  return names != document.end() && names->is_array() &&
+         std::find(names->begin(), names->end(), kExtensionName) != names->end();
+}
+
+/// Whether an element of the root's array `key` has the extension.
+bool isUsed(const Json& document, const char* key) {
+  const auto elements = document.find(key);
+  return elements != document.end() && elements->is_array() &&
+         std::any_of(elements->begin(), elements->end(),
+                     [](const Json& element) { return findExtension(element, kExtensionName) != nullptr; });
+}
+
 }  // namespace
 
 bool isPacked(const Asset& asset) {
+  // What is used without being declared counts too: unpacking says what is wrong with it.
   const Json& document = asset.document;
-  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
-    const auto names = document.find(list);
-    if (names == document.end() || !names->is_array()) continue;
-    for (const Json& name : *names) {
-      if (name == kExtensionName) return true;
-    }
-  }
-  return false;
+  return isListed(document, "extensionsUsed") || isListed(document, "extensionsRequired") ||
+         isUsed(document, "bufferViews") || isUsed(document, "buffers");
 }
 
 Outcome unpackAsset(Asset& asset) {

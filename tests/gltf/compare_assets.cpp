@@ -19,12 +19,8 @@ std::array<float, 3> positionAt(const std::vector<std::byte>& elements, const Ac
   const std::byte* at = elements.data() + i * info.element_bytes;
   for (std::size_t axis = 0; axis < 3; ++axis, at += info.component_bytes) {
     switch (info.component_type) {
-      case kGlByte:
-        out[axis] = static_cast<float>(std::to_integer<std::int8_t>(*at));
-        break;
-      case kGlUnsignedByte:
-        out[axis] = static_cast<float>(std::to_integer<std::uint8_t>(*at));
-        break;
+      case kGlByte: out[axis] = static_cast<float>(std::to_integer<std::int8_t>(*at)); break;
+      case kGlUnsignedByte: out[axis] = static_cast<float>(std::to_integer<std::uint8_t>(*at)); break;
       case kGlShort: {
         std::int16_t value;
         std::memcpy(&value, at, 2);
@@ -37,8 +33,7 @@ std::array<float, 3> positionAt(const std::vector<std::byte>& elements, const Ac
         out[axis] = value;
         break;
       }
-      default:
-        std::memcpy(&out[axis], at, 4);
+      default: std::memcpy(&out[axis], at, 4);
     }
   }
   return out;

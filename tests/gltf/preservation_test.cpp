@@ -85,6 +85,33 @@ TEST(Preservation, BytesThatNoViewCoversStay) {
   EXPECT_NE(std::search(now.begin(), now.end(), secret.begin(), secret.end()), now.end());
 }
 
+TEST(Preservation, ViewsShrinkToWhatIsStillUsed) {
+  // One view for two meshes' vertices; the second mesh cannot be packed.
+  AssetBuilder builder;
+  std::vector<float> both = gridPositions(8);
+  const std::vector<float> second = gridPositions(8, 50);
+  both.insert(both.end(), second.begin(), second.end());
+  const std::size_t view = builder.addView(both);
+  const std::size_t a = builder.addAccessorOf(view, kGlFloat, "VEC3", 81);
+  const std::size_t b = builder.addAccessorOf(view, kGlFloat, "VEC3", 81, {{"byteOffset", 972}});
+  const std::size_t indices = builder.addIndices16(gridIndices(8));
+  for (const std::size_t position : {a, b}) {
+    builder.addMesh({{{"attributes", {{"POSITION", position}}}, {"indices", indices}}});
+  }
+  builder.document()["meshes"][1]["extensions"]["FB_ngon_encoding"] = Json::object();
+  const Asset original = builder.build();
+  Asset asset = original;
+  const Expected<PackReport> report = packAsset(asset);
+  ASSERT_TRUE(report) << report.failure().message;
+  ASSERT_EQ(report->streams.size(), 1U);
+  const std::size_t still = asset.document["accessors"][b]["bufferView"];
+  EXPECT_EQ(asset.document["bufferViews"][still]["byteLength"], 976);  // 972 is no multiple of eight
+  EXPECT_EQ(asset.document["accessors"][b]["byteOffset"], 4);
+  ASSERT_FALSE(unpackAsset(asset));
+  DataAccess before(original), after(asset);
+  EXPECT_EQ(before.elements(before.accessor(b)), after.elements(after.accessor(b)));
+}
+
 TEST(Preservation, DataOfAnimationsIsNotMovedUnderThem) {
   Asset asset = gridAsset();
   // An animation that reads the accessor that is also the texture coordinates.

@@ -49,6 +49,24 @@ TEST(Unpack, EveryFlippedByteOfTheStreamIsNoticed) {
   }
 }
 
+TEST(Unpack, NothingIsLeftBehindWhateverUnknownExtensionsCount) {
+  for (const bool keep_order : {false, true}) {
+    Asset asset = gridAsset();
+    // Numbers that could mean any view or buffer, also those that pack adds.
+    asset.document["extensions"]["FOO_numbers"]["all"] = Json::array({0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
+    const std::size_t views = asset.document["bufferViews"].size();
+    PackOptions options;
+    options.keep_order = keep_order;
+    ASSERT_TRUE(packAsset(asset, options));
+    const std::size_t packed_views = asset.document["bufferViews"].size();
+    ASSERT_FALSE(unpackAsset(asset));
+    EXPECT_EQ(asset.document["buffers"].size(), 1U);
+    EXPECT_EQ(asset.document["bufferViews"].size(), packed_views - (keep_order ? 2 : 1));
+    EXPECT_GE(asset.document["bufferViews"].size(), views);
+    for (const Buffer& buffer : asset.buffers) EXPECT_NE(buffer.source, Buffer::Source::kPlaceholder);
+  }
+}
+
 TEST(Unpack, OutputLimitHolds) {
   Asset packed = packedGrid();
   packed.options.limits.max_output_bytes = 100;

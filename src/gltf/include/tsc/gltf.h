@@ -177,7 +177,8 @@ struct PackOptions {
   bool fallback = false;
   /// Unpack first what is packed already; without it, packed input is a kUsage failure.
   bool repack = false;
-  /// Store the original order of vertices and triangles, so that unpack can restore it.
+  /// Store the original order of vertices and triangles beside each stream: unpacked, they come back in it, each
+  /// triangle with its first corner. Attributes and indices that are not packed then stay where they are.
   bool keep_order = false;
   /// Called before each stream with the work done and the whole, in triangles. May be empty.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
@@ -193,6 +194,7 @@ struct StreamReport {
   std::uint64_t input_position_bytes = 0;  ///< plain size of the positions before
   std::uint64_t input_index_bytes = 0;     ///< plain size of the indices before
   std::uint64_t stream_bytes = 0;
+  std::uint64_t order_bytes = 0;  ///< of the original order, where it is kept
   StreamBits bits;       ///< of the stream's parts; divide by `vertices` for bits per vertex
   StreamModes modes;     ///< as chosen
   double max_error = 0;  ///< measured, position units
@@ -238,6 +240,7 @@ Expected<std::vector<std::byte>> expand(std::span<const std::byte> bytes, const 
 struct StreamSummary {
   std::size_t buffer_view = 0;  ///< that holds it
   std::uint64_t stream_bytes = 0;
+  std::uint64_t order_bytes = 0;  ///< of the original order, where it is kept
   std::vector<std::size_t> meshes;
   std::string label;
   std::uint64_t vertices = 0;
