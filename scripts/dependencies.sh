@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # Installs what is missing on Debian 12, through apt: dependencies.sh build|tests
 #   build  compiler, CMake and the libraries
-#   tests  those, and what the tests use besides: other compilers, an emulator, Node.js
+#   tests  those, and the programs that tests run: other compilers, an emulator, another importer, Node.js
 # Needs root or sudo only if something is missing.
 set -euo pipefail
 
 build_packages=(
   cmake g++ ninja-build pkg-config
-  libcli11-dev libdraco-dev libfmt-dev libglm-dev libmeshoptimizer-dev libstb-dev libtbb-dev libtinygltf-dev
+  libcli11-dev libdraco-dev libfmt-dev libglm-dev libgtest-dev libmeshoptimizer-dev libstb-dev libtbb-dev libtinygltf-dev
   libxxhash-dev nlohmann-json3-dev
-  libbenchmark-dev libeigen3-dev libembree-dev
+  libeigen3-dev libembree-dev
 )
-test_packages=(libgtest-dev assimp-utils clang g++-aarch64-linux-gnu qemu-user)
+test_packages=(assimp-utils clang g++-aarch64-linux-gnu python3 qemu-user)
 
 packages=("${build_packages[@]}")
 case "${1:-build}" in

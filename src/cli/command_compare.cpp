@@ -47,14 +47,14 @@ Expected<std::vector<NamedSurface>> readSurfaces(const std::string& file, const 
 Outcome checkHeatmap(const std::string& output, bool force) {
   const std::string extension = lowerExtension(output);
   if (extension != ".glb" && extension != ".png") {
-    return Failure{FailureKind::kUsage, fmt::format("{}: found the file name extension '{}', expected .glb or .png",
-                                                    output, extension)};
+    return Failure{FailureKind::kUsage,
+                   fmt::format("{}: found the file name extension '{}', expected .glb or .png", output, extension)};
   }
   return checkTextOutput(output, force);
 }
 
-Outcome writeHeatmap(const std::string& output, const std::vector<NamedSurface>& a,
-                     const std::vector<NamedSurface>& b, const Comparison& comparison) {
+Outcome writeHeatmap(const std::string& output, const std::vector<NamedSurface>& a, const std::vector<NamedSurface>& b,
+                     const Comparison& comparison) {
   const auto write = lowerExtension(output) == ".png" ? writeHeatmapPng : writeHeatmapGlb;
   if (auto error = write(output, a, b, comparison)) return toFailure(*error);
   return {};
@@ -74,8 +74,8 @@ int runCompare(const CompareCommand& command) {
   dropEmptyMeshes(*a, *b);
   const auto comparison = compareScenes(*a, *b, command.metro);
   if (!comparison) {
-    return fail(toFailure({comparison.error().code,
-                           fmt::format("{} and {}: {}", command.a, command.b, comparison.error().message)}));
+    return fail(toFailure(
+        {comparison.error().code, fmt::format("{} and {}: {}", command.a, command.b, comparison.error().message)}));
   }
   for (const MeshComparison& mesh : comparison->meshes) {
     if (mesh.vertices) continue;
@@ -108,8 +108,9 @@ CommandBody addCompareCommand(CLI::App& app) {
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{100'000'000}));
   verb->add_flag("--force", command->force, "Replace existing pictures");
   addLoadOptions(*verb, command->load);
-  verb->footer("MSE, RMS and max: distances between corresponding vertices, found whatever their order. Metro RMS and\n"
-               "Hausdorff: distances between the surfaces, sampled. DAME: change of dihedral angles, masked by A's.");
+  verb->footer(
+      "MSE, RMS and max: distances between corresponding vertices, found whatever their order. Metro RMS and\n"
+      "Hausdorff: distances between the surfaces, sampled. DAME: change of dihedral angles, masked by A's.");
   return [command] { return runCompare(*command); };
 }
 

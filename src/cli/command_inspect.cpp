@@ -54,6 +54,7 @@ Json summaryJson(const std::string& input, const AssetSummary& summary) {
                   {"vertices", stream.vertices},
                   {"triangles", stream.triangles},
                   {"streamBytes", stream.stream_bytes},
+                  {"orderBytes", stream.order_bytes},
                   {"decodedBytes", stream.decoded_bytes},
                   {"bitsPerVertex", bitsPerVertex(stream.stream_bytes, stream.vertices)},
                   {"modes", modesJson(stream.info.modes)}};
@@ -81,6 +82,7 @@ std::string summaryText(const std::string& input, const AssetSummary& summary) {
                         bitsPerVertex(stream.stream_bytes, stream.vertices));
     text += fmt::format("  {}, step {:.6g}, format version {}\n", describeModes(stream.info.modes),
                         stream.info.modes.step, stream.info.version);
+    if (stream.order_bytes > 0) text += fmt::format("  original order kept: {} bytes\n", stream.order_bytes);
     for (std::size_t i = 0; i < stream.info.outputs.size(); ++i) {
       const OutputInfo& output = stream.info.outputs[i];
       text += fmt::format("  output {}: {} {} of {}, {} bytes\n", i, output.count,

@@ -43,10 +43,12 @@ Matrix localMatrix(const Json& node) {
   const auto t = numbersOr<3>(node, "translation", {0, 0, 0});
   const auto [x, y, z, w] = numbersOr<4>(node, "rotation", {0, 0, 0, 1});
   const auto s = numbersOr<3>(node, "scale", {1, 1, 1});
+  // clang-format off
   return {s[0] * (1 - 2 * (y * y + z * z)), s[0] * 2 * (x * y + z * w), s[0] * 2 * (x * z - y * w), 0,
           s[1] * 2 * (x * y - z * w), s[1] * (1 - 2 * (x * x + z * z)), s[1] * 2 * (y * z + x * w), 0,
           s[2] * 2 * (x * z + y * w), s[2] * 2 * (y * z - x * w), s[2] * (1 - 2 * (x * x + y * y)), 0,
           t[0], t[1], t[2], 1};
+  // clang-format on
 }
 
 /// Fills in where each mesh stands. Pictures alone depend on it, so what makes no sense is passed over.
@@ -67,8 +69,7 @@ void placeMeshes(const Json& document, std::vector<NamedSurface>& surfaces) {
   };
   const std::size_t scene_count = countOf(document, "scenes");
   const auto chosen = document.find("scene");
-  const std::size_t scene =
-      chosen != document.end() && chosen->is_number_unsigned() ? chosen->get<std::size_t>() : 0;
+  const std::size_t scene = chosen != document.end() && chosen->is_number_unsigned() ? chosen->get<std::size_t>() : 0;
   if (scene >= scene_count || !document["scenes"][scene].is_object()) return;
   addNodes(document["scenes"][scene], "nodes", kIdentity);
   while (!open.empty()) {

@@ -105,6 +105,7 @@ void addPackOptions(CLI::App& verb, PackArguments& arguments) {
   addChoice(verb, "--order", arguments.order, kOrders, "Order in which positions are coded");
   addChoice(verb, "--effort", arguments.effort, kEfforts, "Bits against time, when packing and when unpacking");
   verb.add_flag("--fallback", arguments.fallback, "Also store plain data for readers without the extension");
+  verb.add_flag("--keep-order", arguments.keep_order, "Vertices and triangles come back in their original order");
   verb.add_flag("--repack", arguments.repack, "Unpack first what is packed already");
 }
 
@@ -124,6 +125,7 @@ PackOptions packOptions(const PackArguments& arguments) {
   options.order = valueIn(kOrders, arguments.order);
   options.effort = valueIn(kEfforts, arguments.effort);
   options.fallback = arguments.fallback;
+  options.keep_order = arguments.keep_order;
   options.repack = arguments.repack;
   return options;
 }

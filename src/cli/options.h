@@ -24,7 +24,7 @@ struct PackArguments {
   double step = 0, max_error = 0, relative_error = 0, target_bpv = 0;
   std::uint32_t normal_scale = 1;
   std::string mode = "auto", basis = "auto", predictor = "auto", order = "auto", effort = "default";
-  bool fallback = false, repack = false;
+  bool fallback = false, keep_order = false, repack = false;
 };
 
 /// Adds the options that shape the packed asset.

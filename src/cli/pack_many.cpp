@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include <glob.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for_each.h>
 #include <tbb/task_arena.h>
 #define XXH_INLINE_ALL
@@ -19,6 +20,7 @@
 #include <numeric>
 #include <optional>
 #include <system_error>
+#include <thread>
 
 #include "files.h"
 #include "progress.h"
@@ -118,9 +120,10 @@ class Hasher {
 };
 
 std::string hashOfOptions(const PackOptions& options) {
-  return fmt::format("{} {} {} {} {} {} {} {} {} {}", static_cast<int>(options.precision.kind), options.precision.value,
-                     options.normal_scale, name(options.mode), name(options.basis), name(options.predictor),
-                     name(options.order), name(options.effort), options.fallback, options.repack);
+  return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(options.precision.kind),
+                     options.precision.value, options.normal_scale, name(options.mode), name(options.basis),
+                     name(options.predictor), name(options.order), name(options.effort), options.fallback,
+                     options.keep_order, options.repack);
 }
 
 /// Everything that the packed asset depends on: document, buffers, other chunks, pictures beside it, options, version.
@@ -277,6 +280,9 @@ std::vector<JobResult> packAll(const PackManyRequest& request, const std::vector
   std::iota(numbers.begin(), numbers.end(), std::size_t{0});
   Progress progress(fmt::format("packing {} assets", jobs.size()), !request.verbosity.quiet);
   std::atomic<std::uint64_t> done = 0;
+  // More jobs than processors are the user's wish; without this TBB would refuse them, with a warning.
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
+                                    std::max<std::size_t>(request.jobs, std::thread::hardware_concurrency()));
   tbb::task_arena arena(request.jobs == 0 ? tbb::task_arena::automatic : static_cast<int>(request.jobs));
   arena.execute([&] {
     tbb::parallel_for_each(numbers, [&](std::size_t i) {

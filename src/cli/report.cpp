@@ -27,6 +27,7 @@ Json streamJson(const StreamReport& stream) {
   json["inputPositionBytes"] = stream.input_position_bytes;
   json["inputIndexBytes"] = stream.input_index_bytes;
   json["streamBytes"] = stream.stream_bytes;
+  if (stream.order_bytes > 0) json["orderBytes"] = stream.order_bytes;
   json["bitsPerVertex"] = {{"total", streamBpv(stream)},
                            {"header", bpv(stream.bits.header)},
                            {"connectivity", bpv(stream.bits.connectivity)},
@@ -52,6 +53,7 @@ void printStream(const StreamReport& stream, bool verbose) {
              stream.guaranteed_error);
   if (stream.diagonal > 0) fmt::print(stderr, " (max {:.2g} of the diagonal)", stream.max_error / stream.diagonal);
   fmt::print(stderr, "\n");
+  if (stream.order_bytes > 0) fmt::print(stderr, "    original order: {} bytes\n", stream.order_bytes);
   if (!verbose) return;
   fmt::print(
       stderr,

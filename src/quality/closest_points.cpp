@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-
 #include <glm/geometric.hpp>
 
 namespace tsc {
@@ -27,8 +26,8 @@ double squaredDistanceToTriangle(const glm::dvec3& p, const glm::dvec3& a, const
     const double height = glm::dot(p - a, normal);
     return height * height / area;
   }
-  return std::min({squaredDistanceToSegment(p, a, b), squaredDistanceToSegment(p, b, c),
-                   squaredDistanceToSegment(p, c, a)});
+  return std::min(
+      {squaredDistanceToSegment(p, a, b), squaredDistanceToSegment(p, b, c), squaredDistanceToSegment(p, c, a)});
 }
 
 /// To the triangle's box: a cheap lower bound, which spares most of the work where slivers crowd.
@@ -39,9 +38,7 @@ double squaredDistanceToBox(const glm::dvec3& p, const glm::dvec3& a, const glm:
 }
 
 /// Frame coordinates are at most 1/2, so a vertex and the query point are each rounded by at most 2^-25 an axis.
-float widened(double squared_distance) {
-  return static_cast<float>(std::sqrt(squared_distance) * 1.000001 + 4e-7);
-}
+float widened(double squared_distance) { return static_cast<float>(std::sqrt(squared_distance) * 1.000001 + 4e-7); }
 
 }  // namespace
 
@@ -104,8 +101,8 @@ double ClosestPoints::squaredDistanceTo(std::uint32_t triangle, const glm::dvec3
 void ClosestPoints::buildTree() {
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   // Embree asks for 16 readable bytes at the last vertex; its own buffers have them.
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), positions_.size()));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                               3 * sizeof(float), positions_.size()));
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     for (int axis = 0; axis < 3; ++axis) vertices[3 * v + axis] = static_cast<float>(positions_[v][axis]);
   }

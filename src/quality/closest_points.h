@@ -6,11 +6,10 @@
 
 #include <embree3/rtcore.h>
 
+#include <glm/vec3.hpp>
 #include <memory>
 #include <type_traits>
 #include <vector>
-
-#include <glm/vec3.hpp>
 
 #include "surface_tools.h"
 

@@ -1,6 +1,5 @@
 // A comparison as text: table and JSON.
 #include <cstdio>
-
 #include <nlohmann/json.hpp>
 
 #include "tsc/quality.h"

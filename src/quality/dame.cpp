@@ -2,10 +2,9 @@
 // Source: L. Vasa, J. Rus, "Dihedral angle mesh error", Computer Graphics Forum 31(5), 2012. The visibility term, which
 // depends on a set of views, is 1 for every edge.
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
-
-#include <glm/geometric.hpp>
 
 #include "surface_tools.h"
 
@@ -71,8 +70,8 @@ DameError measure(const SurfaceView& a, Moved moved) {
     if (faces.points[3 * u + (d + 2 - 3 * u) % 3] != faces.points[from]) continue;
     const std::uint32_t tail = faces.vertices[from], head = faces.vertices[to];
     const glm::dvec3 edge_b = moved(head) - moved(tail);
-    if (!hasLength(normals_a[t]) || !hasLength(normals_a[u]) || !hasLength(normals_b[t]) ||
-        !hasLength(normals_b[u]) || !hasLength(edge_b)) {
+    if (!hasLength(normals_a[t]) || !hasLength(normals_a[u]) || !hasLength(normals_b[t]) || !hasLength(normals_b[u]) ||
+        !hasLength(edge_b)) {
       ++result.skipped_edges;
       continue;
     }

@@ -1,6 +1,5 @@
 // The error as vertex colours of a GLB, for any glTF viewer.
 #include <cstring>
-
 #include <nlohmann/json.hpp>
 
 #include "colour_scale.h"
@@ -95,10 +94,9 @@ std::optional<QualityError> writeHeatmapGlb(const std::filesystem::path& path, s
   const auto fields = errorFields(a, b, comparison);
   if (!fields) return fields.error();
   const ColourScale scale(*fields);
-  const std::string legend = measureName(comparison) + ": dark blue 0, green " +
-                             withShare(scale.top / 2, comparison.total.diagonal) + ", dark red " +
-                             withShare(scale.top, comparison.total.diagonal) + ", largest " +
-                             shortNumber(scale.largest);
+  const std::string legend =
+      measureName(comparison) + ": dark blue 0, green " + withShare(scale.top / 2, comparison.total.diagonal) +
+      ", dark red " + withShare(scale.top, comparison.total.diagonal) + ", largest " + shortNumber(scale.largest);
   Arrays arrays;
   ordered_json document;
   document["asset"] = {{"version", "2.0"}, {"generator", "gltf-tsc compare"}};
@@ -111,8 +109,8 @@ std::optional<QualityError> writeHeatmapGlb(const std::filesystem::path& path, s
     document["nodes"].push_back(std::move(node));
   };
   for (std::size_t i = 0; i < b.size(); ++i) {
-    document["meshes"].push_back({{"name", b[i].name + " | " + legend},
-                                  {"primitives", {addPrimitive(b[i], (*fields)[i], scale, arrays)}}});
+    document["meshes"].push_back(
+        {{"name", b[i].name + " | " + legend}, {"primitives", {addPrimitive(b[i], (*fields)[i], scale, arrays)}}});
     if (b[i].placements.empty()) addNode({{"name", b[i].name}, {"mesh", i}});
     for (const auto& matrix : b[i].placements) addNode({{"name", b[i].name}, {"mesh", i}, {"matrix", matrix}});
   }

@@ -191,8 +191,7 @@ std::optional<QualityError> writeHeatmapPng(const std::filesystem::path& path, s
   const ColourScale scale(*fields);
   const Camera camera(a);
   Raster raster(kWidth, kHeight, kBackground);
-  drawMeshes(raster, camera, a, 0,
-             [](std::size_t, const std::uint32_t*, double, double, double) { return kNeutral; });
+  drawMeshes(raster, camera, a, 0, [](std::size_t, const std::uint32_t*, double, double, double) { return kNeutral; });
   drawMeshes(raster, camera, b, kWidth / 2,
              [&](std::size_t mesh, const std::uint32_t* corner, double u, double v, double w) {
                const auto& field = (*fields)[mesh];

@@ -8,10 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <numeric>
-
-#include <glm/geometric.hpp>
 
 #include "surface_tools.h"
 #include "triangle_finder.h"
@@ -75,8 +74,8 @@ class Matcher {
   /// For each face of A the corner of B that its first corner is; empty if there is no correspondence.
   std::vector<std::uint32_t> run() {
     std::vector<Part> open = parts();
-    // Large parts are sure by themselves. Of small ones, those with the most nodes matched already come first, again and
-    // again as more become matched: where points have merged, a free choice made too early can be wrong.
+    // Large parts are sure by themselves. Of small ones, those with the most nodes matched already come first, again
+    // and again as more become matched: where points have merged, a free choice made too early can be wrong.
     constexpr std::size_t kLargePart = 64;
     for (const int needed : {-1, 3, 2, 3, 1, 2, 3, 0}) {
       std::vector<Part> left;
@@ -185,9 +184,8 @@ class Matcher {
         result.push_back(candidate);
       }
     }
-    std::stable_sort(result.begin(), result.end(), [](const Candidate& x, const Candidate& y) {
-      return x.squared_distance < y.squared_distance;
-    });
+    std::stable_sort(result.begin(), result.end(),
+                     [](const Candidate& x, const Candidate& y) { return x.squared_distance < y.squared_distance; });
     return result;
   }
 
@@ -300,15 +298,16 @@ double meanEdge(const Topology& topology) {
   return sum / static_cast<double>(topology.indices.size());
 }
 
-/// The better of the order as it stands, where that is a correspondence, and of the search. What the search finds farther
-/// away than an edge is no answer but a symmetry of the connectivity, or a soup that matches any other.
+/// The better of the order as it stands, where that is a correspondence, and of the search. What the search finds
+/// farther away than an edge is no answer but a symmetry of the connectivity, or a soup that matches any other.
 FaceMatch matchFaces(const Topology& a, const Topology& b) {
   FaceMatch match;
   if (a.indices.size() != b.indices.size() || a.positions.size() != b.positions.size()) return match;
   const double mean_edge = meanEdge(a);
   if (a.indices == b.indices) {
     match.b_corner.resize(a.faceCount());
-    for (std::size_t face = 0; face < a.faceCount(); ++face) match.b_corner[face] = static_cast<std::uint32_t>(3 * face);
+    for (std::size_t face = 0; face < a.faceCount(); ++face)
+      match.b_corner[face] = static_cast<std::uint32_t>(3 * face);
     match.mean_squared = meanSquaredDistance(a, b, match.b_corner);
     if (std::sqrt(match.mean_squared) < mean_edge / 4) return match;
   }
@@ -362,8 +361,9 @@ Measured<Correspondence> matchVertices(const SurfaceView& a, const SurfaceView& 
     const FaceMatch match = matchFaces(points_a, points_b);
     if (!match.b_corner.empty()) return correspondenceOf(a, b, points_a, points_b, match);
   }
-  // Coarse rounding can merge points that were apart; then the vertices as they stand may still correspond. Here a match
-  // far off says nothing even in the order as it stands: tables with a vertex a corner match any other of that size.
+  // Coarse rounding can merge points that were apart; then the vertices as they stand may still correspond. Here a
+  // match far off says nothing even in the order as it stands: tables with a vertex a corner match any other of that
+  // size.
   const auto self = [](std::uint32_t v) { return v; };
   const Topology raw_a = buildTopology(a, self), raw_b = buildTopology(b, self);
   const FaceMatch match = matchFaces(raw_a, raw_b);

@@ -37,13 +37,13 @@ QualityError invalid(const std::string& what) { return {QualityErrorCode::kInval
 
 std::optional<Scalar> scalarNamed(std::string_view name) {
   constexpr std::array<std::array<std::string_view, 2>, 8> kNames = {{{"char", "int8"},
-                                                                     {"uchar", "uint8"},
-                                                                     {"short", "int16"},
-                                                                     {"ushort", "uint16"},
-                                                                     {"int", "int32"},
-                                                                     {"uint", "uint32"},
-                                                                     {"float", "float32"},
-                                                                     {"double", "float64"}}};
+                                                                      {"uchar", "uint8"},
+                                                                      {"short", "int16"},
+                                                                      {"ushort", "uint16"},
+                                                                      {"int", "int32"},
+                                                                      {"uint", "uint32"},
+                                                                      {"float", "float32"},
+                                                                      {"double", "float64"}}};
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     if (name == kNames[i][0] || name == kNames[i][1]) return static_cast<Scalar>(i);
   }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-
 #include <glm/geometric.hpp>
 
 namespace tsc {
@@ -19,9 +18,9 @@ std::optional<QualityError> checkSurface(const SurfaceView& surface) {
   for (std::size_t i = 0; i < indices.size(); i += 3) {
     for (std::size_t k = i; k < i + 3; ++k) {
       if (indices[k] >= surface.positions.size()) {
-        return QualityError{QualityErrorCode::kInvalidIndex,
-                            "index " + std::to_string(indices[k]) + " in a mesh of " +
-                                std::to_string(surface.positions.size()) + " vertices"};
+        return QualityError{QualityErrorCode::kInvalidIndex, "index " + std::to_string(indices[k]) + " in a mesh of " +
+                                                                 std::to_string(surface.positions.size()) +
+                                                                 " vertices"};
       }
       const auto [x, y, z] = surface.positions[indices[k]];
       if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) {
@@ -86,9 +85,8 @@ std::vector<std::uint32_t> pairEdges(std::span<const std::uint32_t> indices, std
   for (std::size_t v = 0; v < vertex_count; ++v) {
     const auto begin = sides.begin() + start[v];
     const auto end = sides.begin() + start[v + 1];
-    std::sort(begin, end, [](const Side& a, const Side& b) {
-      return a.high != b.high ? a.high < b.high : a.corner < b.corner;
-    });
+    std::sort(begin, end,
+              [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.corner < b.corner; });
     for (auto run = begin; run != end;) {
       auto stop = run;
       while (stop != end && stop->high == run->high) ++stop;

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <numeric>
 #include <utility>
 #include <vector>
-
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 
 namespace tsc {
 

@@ -1,8 +1,7 @@
 // Distances between corresponding vertices.
 #include <cmath>
-#include <string>
-
 #include <glm/geometric.hpp>
+#include <string>
 
 #include "surface_tools.h"
 
@@ -23,9 +22,9 @@ Measured<VertexErrors> measure(const PositionView& a, const PositionView& b, Cou
     const std::uint32_t w = counterpart(v);
     if (w == kUnmatchedVertex) continue;
     if (w >= b.size()) {
-      return QualityError{QualityErrorCode::kInvalidIndex,
-                          "vertex " + std::to_string(v) + " is matched to vertex " + std::to_string(w) +
-                              " in a mesh of " + std::to_string(b.size())};
+      return QualityError{QualityErrorCode::kInvalidIndex, "vertex " + std::to_string(v) + " is matched to vertex " +
+                                                               std::to_string(w) + " in a mesh of " +
+                                                               std::to_string(b.size())};
     }
     const glm::dvec3 offset = pointAt(b, w) - pointAt(a, v);
     const double squared = glm::dot(offset, offset);

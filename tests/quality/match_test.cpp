@@ -91,7 +91,8 @@ TEST(MatchVertices, SaysWhenConnectivityDiffers) {
   fewer.indices.resize(fewer.indices.size() - 3);
   EXPECT_EQ(matchVertices(torus.view(), fewer.view()).error().code, QualityErrorCode::kConnectivityDiffers);
   MeshArrays inside_out = torus;
-  for (std::size_t i = 0; i < inside_out.indices.size(); i += 3) std::swap(inside_out.indices[i], inside_out.indices[i + 1]);
+  for (std::size_t i = 0; i < inside_out.indices.size(); i += 3)
+    std::swap(inside_out.indices[i], inside_out.indices[i + 1]);
   EXPECT_EQ(matchVertices(torus.view(), inside_out.view()).error().code, QualityErrorCode::kConnectivityDiffers);
   EXPECT_EQ(matchVertices(soup(unitCube()).view(), soup(translated(hinge(0), 9, 9, 9)).view()).error().code,
             QualityErrorCode::kConnectivityDiffers);

@@ -94,10 +94,10 @@ struct SurfaceView {
 
 /// Distances between corresponding vertices, in position units (mse: squared).
 struct VertexErrors {
-  std::uint64_t count = 0;        ///< pairs measured
-  double mse = 0;                 ///< mean of |a - b|^2
-  double rms = 0;                 ///< sqrt(mse)
-  double max = 0;                 ///< largest |a - b|
+  std::uint64_t count = 0;         ///< pairs measured
+  double mse = 0;                  ///< mean of |a - b|^2
+  double rms = 0;                  ///< sqrt(mse)
+  double max = 0;                  ///< largest |a - b|
   std::uint32_t worst_vertex = 0;  ///< vertex of A where it occurs
 };
 
@@ -198,10 +198,10 @@ Measured<NamedSurface> readSurfaceFile(const std::filesystem::path& path);
 
 struct MeshComparison {
   std::string name;
-  std::uint64_t vertices_a = 0, vertices_b = 0;    ///< in the tables
+  std::uint64_t vertices_a = 0, vertices_b = 0;  ///< in the tables
   std::uint64_t triangles_a = 0, triangles_b = 0;
-  double diagonal = 0;                             ///< of A's box
-  std::optional<Correspondence> correspondence;    ///< absent: connectivity differs, then so are the next two
+  double diagonal = 0;                           ///< of A's box
+  std::optional<Correspondence> correspondence;  ///< absent: connectivity differs, then so are the next two
   std::optional<VertexErrors> vertices;
   std::optional<DameError> dame;
   MetroErrors metro;
