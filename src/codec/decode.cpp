@@ -4,6 +4,7 @@
 
 #include "connectivity.h"
 #include "entropy.h"
+#include "format.h"
 #include "header.h"
 #include "output.h"
 
@@ -81,6 +82,7 @@ Result<StreamInfo> readStreamInfo(std::span<const std::byte> stream, const Decod
   std::size_t size = 0;
   if (Status s = readHeader(stream, limits, header, size)) return *s;
   StreamInfo info;
+  info.version = kFormatVersion;
   const PositionParameters& p = header.positions;
   info.modes = {p.mode, p.basis, p.predictor, p.order, p.effort, p.normal_scale, double{header.step}};
   info.outputs = outputsOf(header);

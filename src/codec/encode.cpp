@@ -1,13 +1,14 @@
-// Encoding: the stages of decode.cpp run the other way, the search for the best way to code the positions, and the
-// check of the result.
+// Encoding: the stages of decode.cpp run the other way, and the check of the result.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "choose.h"
 #include "connectivity.h"
 #include "format.h"
 #include "header.h"
+#include "lattice.h"
 #include "output.h"
 
 namespace tsc {
@@ -48,14 +49,10 @@ struct IntegerRange {
 /// Values of an integer position type; all of them are floats too.
 IntegerRange rangeOf(ComponentType type) {
   switch (type) {
-    case ComponentType::kInt8:
-      return {-128, 127};
-    case ComponentType::kUint8:
-      return {0, 255};
-    case ComponentType::kInt16:
-      return {-32768, 32767};
-    default:
-      return {0, 65535};
+    case ComponentType::kInt8: return {-128, 127};
+    case ComponentType::kUint8: return {0, 255};
+    case ComponentType::kInt16: return {-32768, 32767};
+    default: return {0, 65535};
   }
 }
 
@@ -154,170 +151,6 @@ Prepared prepare(const Mesh& mesh, EntropyWriter& writer) {
   return p;
 }
 
-struct Box {
-  glm::dvec3 lower{0};
-  glm::dvec3 upper{0};
-  double extent() const { return std::max({upper.x - lower.x, upper.y - lower.y, upper.z - lower.z}); }
-  double magnitude() const {
-    const glm::dvec3 far = glm::max(glm::abs(lower), glm::abs(upper));
-    return std::max({far.x, far.y, far.z});
-  }
-};
-
-Box boxOf(const Mesh& mesh) {
-  Box box;
-  bool first = true;
-  for (const VertexTable& table : mesh.tables) {
-    for (std::size_t i = 0; i + 2 < table.positions.size(); i += 3) {
-      const glm::dvec3 p(table.positions[i], table.positions[i + 1], table.positions[i + 2]);
-      box.lower = first ? p : glm::min(box.lower, p);
-      box.upper = first ? p : glm::max(box.upper, p);
-      first = false;
-    }
-  }
-  return box;
-}
-
-/// Whether the finer lattice of tangent mode has room for the mesh.
-bool fitsTangentMode(const Box& box, double step) {
-  return box.extent() / step < std::ldexp(1.0, kMaxLatticeBits - 1 - kFineBits);
-}
-
-/// The lattice of a mesh: `header.step`, where it starts, and whether it is fine enough or too fine.
-Status placeLattice(const Mesh& mesh, const EncodeOptions& options, Header& header) {
-  const Box box = boxOf(mesh);
-  header.position_type = mesh.position_type;
-  const bool integer = mesh.position_type != ComponentType::kFloat32;
-  header.step = integer ? 1.0f : static_cast<float>(options.step);
-  header.anchored = integer || options.anchored;
-  if (!(header.step > 0) || !std::isfinite(header.step)) return Error{ErrorCode::kInvalidArgument, "step", 0, 0, 1};
-  const double limit = std::ldexp(1.0, kMaxLatticeBits - 1);
-  const double cells = box.extent() / header.step;
-  if (cells > limit) {
-    return Error{ErrorCode::kLatticeTooFine, "extent in steps", 0, static_cast<std::int64_t>(std::min(cells, 1e18)),
-                 static_cast<std::int64_t>(limit)};
-  }
-  for (int a = 0; a < 3; ++a) {
-    header.origin[a] = static_cast<float>(box.lower[a]);
-    const double anchor = std::floor(box.lower[a] / header.step);
-    if (header.anchored && std::abs(anchor) > std::ldexp(1.0, 47)) {
-      return Error{ErrorCode::kLatticeTooFine, "coordinate in steps", 0, std::numeric_limits<std::int64_t>::max(),
-                   std::int64_t{1} << 47};
-    }
-    header.anchor[a] = header.anchored ? static_cast<std::int64_t>(anchor) : 0;
-  }
-  return {};
-}
-
-/// Positions in units of the fine lattice.
-std::vector<glm::dvec3> targetsOf(const Prepared& prepared, std::span<const std::uint32_t> welded,
-                                  const Header& header) {
-  std::vector<glm::dvec3> targets(welded.size());
-  const double cells = std::ldexp(1.0, header.positions.fine_bits);
-  for (std::size_t i = 0; i < welded.size(); ++i) {
-    for (int a = 0; a < 3; ++a) {
-      const double x = prepared.welded.mesh.positions[3 * std::size_t{welded[i]} + a];
-      const double steps = header.anchored ? x / header.step - static_cast<double>(header.anchor[a])
-                                           : (x - header.origin[a]) / header.step;
-      targets[i][a] = steps * cells;
-    }
-  }
-  return targets;
-}
-
-constexpr double kLeastError = 0.15;  // a uniform error has 1/4
-
-/// One way to code the positions, tried.
-struct Trial {
-  PositionParameters parameters;
-  EntropyWriter writer;
-  std::vector<Vec3> decoded;
-  double bits = 0;
-  double squared_error = 0;  ///< sum over positions, in squared steps
-
-  /// Bits at equal mean squared error: halving the error costs half a bit a coordinate. What is coded exactly, such as
-  /// vertices without a stencil, earns no more than rounding to a finer normal would.
-  double cost() const {
-    const auto n = static_cast<double>(decoded.size());
-    return bits + 1.5 * n * approximateLog2(std::max(squared_error / std::max(n, 1.0), kLeastError));
-  }
-};
-
-Trial tryPositions(const Prepared& prepared, Header header, const PositionParameters& parameters) {
-  Trial trial;
-  trial.parameters = parameters;
-  header.positions = parameters;
-  const std::vector<glm::dvec3> targets = targetsOf(prepared, prepared.position_welded, header);
-  encodePositions(prepared.surface, prepared.map, parameters, targets, trial.writer, trial.decoded);
-  trial.bits = trial.writer.bitsSince(0);
-  const double scale = std::ldexp(1.0, -parameters.fine_bits);
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    const glm::dvec3 error = (targets[i] - glm::dvec3(trial.decoded[i])) * scale;
-    trial.squared_error += glm::dot(error, error);
-  }
-  return trial;
-}
-
-/// What is worth trying when the caller leaves a choice open.
-std::vector<PositionParameters> candidatesFor(const Header& header, const EncodeOptions& options, const Box& box) {
-  std::vector<PositionParameters> candidates;
-  const bool integer = header.position_type != ComponentType::kFloat32;
-  const bool fits = fitsTangentMode(box, header.step);
-  const auto add = [&](Mode mode, Basis basis, Predictor predictor, Order order, bool hits) {
-    const auto allows = [](auto wish, auto choice) { return wish == decltype(wish)::kAuto || wish == choice; };
-    if (mode == Mode::kTangent && (integer || !fits)) return;
-    if (!allows(options.mode, mode) && !(mode == Mode::kLattice && (integer || !fits))) return;
-    // A finer normal exists in tangent mode only, so asking for it asks for that mode.
-    if (mode == Mode::kLattice && options.mode == Mode::kAuto && options.normal_scale > 1 && fits && !integer) return;
-    PositionParameters p;
-    p.mode = mode;
-    p.basis = mode == Mode::kLattice ? Basis::kGate : options.basis != Basis::kAuto ? options.basis : basis;
-    p.predictor = options.predictor != Predictor::kAuto ? options.predictor : predictor;
-    p.order = options.order != Order::kAuto ? options.order : order;
-    p.effort = options.effort;
-    p.exact_hits = hits;
-    p.normal_scale = mode == Mode::kTangent ? options.normal_scale : 1;
-    p.fine_bits = mode == Mode::kTangent ? kFineBits : 0;
-    const auto same = [&](const PositionParameters& q) {
-      return q.mode == p.mode && q.basis == p.basis && q.predictor == p.predictor && q.order == p.order &&
-             q.exact_hits == p.exact_hits;
-    };
-    if (std::none_of(candidates.begin(), candidates.end(), same)) candidates.push_back(p);
-  };
-  add(Mode::kLattice, Basis::kGate, Predictor::kAverage, Order::kTraversal, true);
-  add(Mode::kTangent, Basis::kGate, Predictor::kAdaptive, Order::kTraversal, false);
-  add(Mode::kTangent, Basis::kGate, Predictor::kAverage, Order::kTraversal, true);
-  add(Mode::kLattice, Basis::kGate, Predictor::kAdaptive, Order::kTraversal, false);
-  if (options.predictor != Predictor::kAuto) {
-    // With a predictor given, the basis is what is left to choose, as in the paper.
-    add(Mode::kTangent, Basis::kTip, options.predictor, Order::kTraversal, false);
-    add(Mode::kTangent, Basis::kTip, options.predictor, Order::kTraversal, true);
-  }
-  if (options.effort == Effort::kMax) {
-    for (const Order order : {Order::kTraversal, Order::kDegree}) {
-      for (const Predictor predictor : {Predictor::kAverage, Predictor::kAdaptive}) {
-        for (const bool hits : {false, true}) {
-          add(Mode::kLattice, Basis::kGate, predictor, order, hits);
-          add(Mode::kTangent, Basis::kGate, predictor, order, hits);
-          add(Mode::kTangent, Basis::kTip, predictor, order, hits);
-        }
-      }
-    }
-  }
-  return candidates;
-}
-
-Trial bestPositions(const Prepared& prepared, const Header& header, const EncodeOptions& options, const Box& box) {
-  Trial best;
-  bool first = true;
-  for (const PositionParameters& candidate : candidatesFor(header, options, box)) {
-    Trial trial = tryPositions(prepared, header, candidate);
-    if (first || trial.cost() < best.cost()) best = std::move(trial);
-    first = false;
-  }
-  return best;
-}
-
 void measure(const Mesh& mesh, std::span<const std::vector<std::byte>> outputs, EncodeResult& result) {
   double squares = 0;
   std::size_t count = 0;
@@ -337,30 +170,6 @@ void measure(const Mesh& mesh, std::span<const std::vector<std::byte>> outputs, 
 
 }  // namespace
 
-double stepForBits(const Mesh& mesh, int bits) {
-  const double extent = boxOf(mesh).extent();
-  return extent > 0 ? extent / (std::ldexp(1.0, bits) - 1) : 1;
-}
-
-double guaranteedError(const Mesh& mesh, const EncodeOptions& options) {
-  if (mesh.position_type != ComponentType::kFloat32) return 0;
-  const double step = static_cast<float>(options.step);
-  const Box box = boxOf(mesh);
-  // Of each component to the nearest float: 2^-24 of it, or half the smallest float.
-  const double rounding = std::max(std::ldexp(box.magnitude(), -24), std::ldexp(1.0, -150)) * std::sqrt(3.0);
-  const double lattice = step * std::sqrt(0.75);  // half a cell's diagonal
-  if (options.mode == Mode::kLattice || !fitsTangentMode(box, step)) return lattice + 2 * rounding;
-  // In tangent mode each component is off by half its step and by the rounding to the fine lattice, seen along its
-  // axis; the frame's distance from orthonormality adds less than 2^-10 of that.
-  const double fine = std::ldexp(step, -kFineBits);
-  const double normal_step = fine * std::max(std::floor(std::ldexp(1.0, kFineBits) / options.normal_scale), 1.0);
-  const double slack = fine * std::sqrt(0.75);
-  const double tangential = step / 2 + slack;
-  const double normal = normal_step / 2 + slack;
-  const double tangent = std::sqrt(2 * tangential * tangential + normal * normal) * (1 + std::ldexp(1.0, -10));
-  return (options.mode == Mode::kTangent ? tangent : std::max(tangent, lattice)) + 2 * rounding;
-}
-
 Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
   if (Status s = checkOptions(options)) return *s;
   if (Status s = checkMesh(mesh)) return *s;
@@ -379,7 +188,8 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
   encodeReferences(prepared.surface, prepared.map, header.has_references, writer);
   result.bits.references = writer.bitsSince(mark);
 
-  Trial best = bestPositions(prepared, header, options, boxOf(mesh));
+  Trial best = bestPositions({prepared.surface, prepared.map, prepared.welded.mesh.positions, prepared.position_welded},
+                             header, options, boxOf(mesh));
   header.positions = best.parameters;
   result.bits.positions = best.bits;
   writer.append(best.writer);
@@ -396,7 +206,7 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
   mark = writer.mark();
   std::vector<Vec3> positions = std::move(best.decoded);
   positions.resize(assignment.position_count);
-  encodeExtraPositions(targetsOf(prepared, order.extra_positions, header), writer,
+  encodeExtraPositions(targetsOf(prepared.welded.mesh.positions, order.extra_positions, header), writer,
                        std::span(positions).subspan(prepared.map.position_count));
   result.bits.side_faces = writer.bitsSince(mark);
 
