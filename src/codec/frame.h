@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <glm/glm.hpp>
 
+#include "lanes.h"
 #include "tsc/codec.h"
 
 namespace tsc {
@@ -84,7 +85,8 @@ inline WideVec3 toLocal(const Frame& frame, const Vec3& displacement) {
 
 /// The basis at a base triangle: x1 its normal, x2 along the gate (eq. 5) or from the base vertex to the prediction
 /// (eq. 7; made orthogonal to x1). On a sliver without a normal, or where x2 vanishes: the coordinate axes.
-inline Frame frameAt(Basis basis, const Vec3& left, const Vec3& right, const Vec3& base, const Vec3& prediction) {
+TSC_ALWAYS_INLINE Frame frameAt(Basis basis, const Vec3& left, const Vec3& right, const Vec3& base,
+                                const Vec3& prediction) {
   const WideVec3 gate = limited(left - right);
   const Vec3 normal = unitVector(cross(gate, limited(base - right)));
   if (normal == Vec3(0)) return {};

@@ -12,6 +12,9 @@
 #include <emmintrin.h>
 #endif
 
+/// For the three steps of coding a vertex that compilers find too large to inline, though each is called in one place.
+#define TSC_ALWAYS_INLINE [[gnu::always_inline]] inline
+
 namespace tsc {
 
 using Lanes [[gnu::vector_size(16)]] = std::int16_t;

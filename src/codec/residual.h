@@ -106,7 +106,7 @@ struct Mixture {
 /// Codes a bin of the window, 0..15, and lets tables and shares learn. Of the experts from `kFirstShared` on, which
 /// share one table, only the one that gave the bin most learns.
 template <int kFirstShared, int kCount, class Direction>
-int codeBin(Direction& direction, const Mixture<kCount>& mixture, MixWeights& weights, int bin) {
+TSC_ALWAYS_INLINE int codeBin(Direction& direction, const Mixture<kCount>& mixture, MixWeights& weights, int bin) {
   static_assert(kCount <= kMaxExperts);
   std::array<const std::int16_t*, kCount> window;  // below[k] of the window's bin k, k = 1..15
   Lanes low = ramp(0);                             // adding k gives each bin a frequency of at least 1

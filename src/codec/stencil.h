@@ -38,7 +38,8 @@ struct Stencils {
 
 /// The complete parallelograms at `vertex`, in counter-clockwise order from `vertex_corner`, the first kMaxStencils.
 /// `known` is 1 for the vertices whose position is known.
-inline Stencils stencilsAt(const Surface& surface, const std::vector<std::uint8_t>& known, std::uint32_t vertex) {
+TSC_ALWAYS_INLINE Stencils stencilsAt(const Surface& surface, const std::vector<std::uint8_t>& known,
+                                      std::uint32_t vertex) {
   Stencils result;
   const std::uint32_t* const vertices = surface.corner_vertex.data();
   const std::uint32_t* const opposites = surface.opposite.data();
