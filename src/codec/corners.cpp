@@ -39,7 +39,6 @@ struct FanCorner {
   std::uint32_t primitive;
   std::uint32_t edge;  ///< EdgeState of the edge from the corner before it
   std::uint32_t bend;  ///< of the surface at that edge, 0..3
-  bool adjacent;       ///< no dummy faces in between
 };
 
 enum EdgeState : std::uint32_t { kUnknown, kSmooth, kSeam };
@@ -126,16 +125,14 @@ class CornerCoder {
     const std::uint32_t first = surface_.vertex_corner[v];
     // The edge before the first corner comes last.
     std::uint32_t c = first, primitive = state_.face_primitive[first / 3], edge = kUnknown, bend = 0;
-    bool adjacent = false;
     do {
-      if (primitive != kNone) fan_.corners.push_back({c, primitive, edge, bend, adjacent});
+      if (primitive != kNone) fan_.corners.push_back({c, primitive, edge, bend});
       const auto next_place = static_cast<std::uint32_t>(fan_.corners.size());
       const std::uint32_t across = surface_.opposite[nextCorner(c)];
       const std::uint32_t next_primitive = state_.face_primitive[across / 3];
       edge = kUnknown;
-      adjacent = primitive != kNone && next_primitive != kNone;
       bend = 0;
-      if (adjacent) {
+      if (primitive != kNone && next_primitive != kNone) {
         bend = bendBetween(c / 3, across / 3);
         fan_.bend = std::max(fan_.bend, bend);
         // The other end of the edge, in both faces.
@@ -161,7 +158,6 @@ class CornerCoder {
     if (primitive != kNone) {
       fan_.corners[0].edge = edge;
       fan_.corners[0].bend = bend;
-      fan_.corners[0].adjacent = adjacent;
     }
     fan_.primitives_differ = after_change != kNone;
     const auto rotateTo = [&](std::uint32_t place) {
