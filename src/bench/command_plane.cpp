@@ -21,8 +21,8 @@ void addPlaneCommand(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->callback([options, &exit_code] {
     const std::vector<PlaneRow> rows = measurePlane(*options);
-    fmt::print("{}\nplane of {} x {} vertices, jittered within itself, turned {} degrees around x\n\n{}", provenance(),
-               options->side, options->side, options->degrees, planeTable(rows));
+    fmt::print("{}\nplane of {} x {} vertices, jittered within itself, turned {} degrees around x\n\n{}\n{}",
+               provenance(), options->side, options->side, options->degrees, planeTable(rows), planeNote());
     exit_code = std::any_of(rows.begin(), rows.end(), [](const auto& row) { return !row.error.empty(); }) ? 2 : 0;
   });
 }

@@ -21,8 +21,15 @@ struct RateArguments {
   std::string bits = "10,11,12,14", modes = "auto", effort = "default", csv, cache = kDefaultCacheFolder;
   std::vector<std::size_t> patches;
   unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+  std::size_t max_every = 1;
   bool quick = false, fast = false;
 };
+
+std::string variantNames(const std::vector<Variant>& variants) {
+  std::string names;
+  for (const Variant& variant : variants) names += (names.empty() ? "" : ",") + variant.name;
+  return names;
+}
 
 int runRate(const RateArguments& arguments) {
   RateOptions options;
@@ -34,7 +41,8 @@ int runRate(const RateArguments& arguments) {
 
   fmt::print("{}\n\n{}", provenance(), rateLinesHeading());
   std::size_t failed = 0;
-  const std::vector<MeshRate> meshes = measureRates(set, options, arguments.cache, nullptr, failed);
+  const std::vector<MeshRate> meshes =
+      measureRatesByEffort(set, options, arguments.max_every, arguments.cache, nullptr, failed);
   if (meshes.empty()) return 2;
   fmt::print("\n{}", summaryTable(summarize(meshes)));
   fmt::print(
@@ -46,10 +54,7 @@ int runRate(const RateArguments& arguments) {
     const std::string::size_type dot = arguments.csv.rfind(".csv");
     writeFile(arguments.csv.substr(0, dot) + "-ratios.csv", ratiosCsv(meshes));
   }
-  const bool variant_failed = std::any_of(meshes.begin(), meshes.end(), [](const MeshRate& mesh) {
-    return std::any_of(mesh.variants.begin(), mesh.variants.end(), [](const auto& v) { return !v.error.empty(); });
-  });
-  return failed > 0 || variant_failed ? 2 : 0;
+  return failed + failedVariants(meshes) > 0 ? 2 : 0;
 }
 
 }  // namespace
@@ -84,7 +89,8 @@ std::vector<MeshRate> measureRates(const MeshSet& set, const RateOptions& option
   std::mutex mutex;
   std::vector<MeshRate> meshes;
   failed += forEachMesh(set, [&](const BenchMesh& mesh) {
-    const std::string id = mesh.class_name + "/" + mesh.name;
+    const std::string id = fmt::format("{} {} {}/{} {}", options.with_metrics ? "rate" : "fast rate",
+                                       variantNames(options.variants), mesh.class_name, mesh.name, mesh.contentKey());
     MeshRate rate;
     const nlohmann::json known = store != nullptr ? store->find(id) : nlohmann::json();
     if (known.is_null()) {
@@ -104,6 +110,20 @@ std::vector<MeshRate> measureRates(const MeshSet& set, const RateOptions& option
   return meshes;
 }
 
+std::vector<MeshRate> measureRatesByEffort(const MeshSet& set, const RateOptions& options, std::size_t max_every,
+                                           const std::string& cache_folder, ResultStore* store, std::size_t& failed) {
+  RateOptions pass = options;
+  std::vector<MeshRate> meshes;
+  pass.variants = variantsOfEffort(options.variants, Effort::kDefault);
+  if (!pass.variants.empty()) meshes = measureRates(set, pass, cache_folder, store, failed);
+  pass.variants = variantsOfEffort(options.variants, Effort::kMax);
+  if (pass.variants.empty() || max_every == 0) return meshes;
+  MeshSet part = set;
+  part.files = everyNth(set.files, max_every);
+  mergeRates(meshes, measureRates(part, pass, cache_folder, store, failed));
+  return meshes;
+}
+
 void addRateCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<RateArguments>();
   CLI::App* command = app.add_subcommand("rate", "Rate-distortion against Draco -cl 7 and -cl 10");
@@ -113,6 +133,8 @@ void addRateCommand(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--effort", arguments->effort, "effort of our modes")
       ->check(CLI::IsMember({"default", "max"}))
+      ->capture_default_str();
+  command->add_option("--max-every", arguments->max_every, "run effort max on every n-th file only, 0: on none")
       ->capture_default_str();
   command
       ->add_option("--patches", arguments->patches, "measure patches of so many vertices instead of the whole meshes")

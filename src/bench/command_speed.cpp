@@ -14,7 +14,7 @@ namespace {
 struct SpeedArguments {
   std::vector<std::string> inputs;
   std::string modes = "auto", effort = "default", csv;
-  std::size_t min_vertices = 20000, largest = 1000000;
+  std::size_t min_vertices = kSpeedVertices, largest = 1000000, max_every = 1;
   int runs = 7, bits = SpeedOptions::kSpeedBits;
   bool quick = false, no_scaling = false, decode_only = false;
 };
@@ -30,14 +30,16 @@ int runSpeed(const SpeedArguments& arguments) {
 
   fmt::print("{}\n{} runs of each codec, alternating, one thread; medians of CPU time; qp {} (meshopt: 16 bits)\n\n",
              provenance(), options.runs, options.bits);
-  std::vector<MeshSpeed> meshes;
-  BenchMesh largest_mesh;
-  std::size_t failed = measureSpeeds(set, options, nullptr, meshes, largest_mesh);
+  std::size_t failed = 0;
+  const SpeedsByEffort speeds =
+      measureSpeedsByEffort(set, options, arguments.min_vertices, arguments.max_every, nullptr, failed);
+  std::vector<MeshSpeed> meshes = speeds.normal;
+  meshes.insert(meshes.end(), speeds.max.begin(), speeds.max.end());
   if (meshes.empty()) return 2;
-  const std::string summary = speedSummary(meshes, arguments.min_vertices);
-  fmt::print("{}\n", summary.empty() ? speedSummary(meshes, 0) : summary);
+  for (const auto* part : {&speeds.normal, &speeds.max}) fmt::print("{}\n", speedSummary(*part));
 
   if (!arguments.no_scaling) {
+    const BenchMesh largest_mesh = largestMesh(set);
     fmt::print("scaling: {} cut to patches, and subdivided\n", largest_mesh.name);
     for (const BenchMesh& mesh : sizeSeries(largest_mesh, arguments.largest)) {
       meshes.push_back(measureSpeed(mesh, options));
@@ -54,21 +56,56 @@ int runSpeed(const SpeedArguments& arguments) {
 
 }  // namespace
 
-std::size_t measureSpeeds(const MeshSet& set, const SpeedOptions& options, ResultStore* store,
-                          std::vector<MeshSpeed>& meshes, BenchMesh& largest) {
-  return forEachMesh(set, [&](const BenchMesh& mesh) {
-    if (mesh.vertexCount() > largest.vertexCount()) largest = mesh;
-    const std::string id = "speed/" + mesh.class_name + "/" + mesh.name;
+std::vector<MeshSpeed> measureSpeeds(const MeshSet& set, const SpeedOptions& options, std::size_t min_vertices,
+                                     ResultStore* store, std::size_t& failed) {
+  MeshSet one_thread = set;
+  one_thread.threads = 1;
+  std::string prefix = fmt::format("speed {} runs", options.runs);
+  for (const Variant& variant : options.variants) prefix += " " + variant.name;
+  std::vector<MeshSpeed> speeds;
+  failed += forEachMesh(one_thread, [&](const BenchMesh& mesh) {
+    if (mesh.vertexCount() < min_vertices) return;
+    const std::string id = fmt::format("{} {}/{} {}", prefix, mesh.class_name, mesh.name, mesh.contentKey());
     const nlohmann::json known = store != nullptr ? store->find(id) : nlohmann::json();
     if (!known.is_null()) {
-      meshes.push_back(known.get<MeshSpeed>());
+      speeds.push_back(known.get<MeshSpeed>());
       return;
     }
-    meshes.push_back(measureSpeed(mesh, options));
-    if (store != nullptr) store->add(id, meshes.back());
-    fmt::print("{}\n", speedLines(meshes.back()));
+    speeds.push_back(measureSpeed(mesh, options));
+    if (store != nullptr) store->add(id, speeds.back());
+    fmt::print("{}\n", speedLines(speeds.back()));
     std::fflush(stdout);
   });
+  if (speeds.empty() && min_vertices > 0) return measureSpeeds(set, options, 0, store, failed);
+  return speeds;
+}
+
+SpeedsByEffort measureSpeedsByEffort(const MeshSet& set, const SpeedOptions& options, std::size_t min_vertices,
+                                     std::size_t max_every, ResultStore* store, std::size_t& failed) {
+  SpeedsByEffort speeds;
+  SpeedOptions pass = options;
+  pass.variants = variantsOfEffort(options.variants, Effort::kDefault);
+  if (!pass.variants.empty()) speeds.normal = measureSpeeds(set, pass, min_vertices, store, failed);
+  pass.variants = variantsOfEffort(options.variants, Effort::kMax);
+  if (pass.variants.empty() || max_every == 0) return speeds;
+  MeshSet part = set;
+  part.files = everyNth(set.files, max_every);
+  speeds.max = measureSpeeds(part, pass, min_vertices, store, failed);
+  return speeds;
+}
+
+BenchMesh largestMesh(const MeshSet& set) {
+  BenchMesh largest;
+  for (const CorpusFile& file : set.files) {
+    try {
+      for (BenchMesh& mesh : loadMeshes(file.path)) {
+        if (mesh.vertexCount() > largest.vertexCount()) largest = std::move(mesh);
+      }
+    } catch (const std::runtime_error&) {
+      continue;  // reported where it is measured
+    }
+  }
+  return largest;
 }
 
 void addSpeedCommand(CLI::App& app, int& exit_code) {
@@ -81,7 +118,9 @@ void addSpeedCommand(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--bits", arguments->bits, "Draco's setting, and our step")->capture_default_str();
   command->add_option("--runs", arguments->runs, "runs of each codec, at least 7")->capture_default_str();
-  command->add_option("--min-vertices", arguments->min_vertices, "smallest mesh that enters the summary")
+  command->add_option("--min-vertices", arguments->min_vertices, "smallest mesh that is measured")
+      ->capture_default_str();
+  command->add_option("--max-every", arguments->max_every, "run effort max on every n-th file only, 0: on none")
       ->capture_default_str();
   command->add_option("--largest", arguments->largest, "largest size of the scaling series")->capture_default_str();
   command->add_option("--csv", arguments->csv, "write FILE.csv");

@@ -108,7 +108,7 @@ void addPrimitive(const tinygltf::Model& model, const tinygltf::Primitive& primi
 
 /// Keeps the given faces and the vertices that they use, in the order of first use.
 BenchMesh extractFaces(const BenchMesh& mesh, const std::vector<std::uint32_t>& faces) {
-  BenchMesh result{mesh.name, mesh.class_name, {}, {}};
+  BenchMesh result{.name = mesh.name, .class_name = mesh.class_name, .positions = {}, .indices = {}};
   std::unordered_map<std::uint32_t, std::uint32_t> new_index;
   for (const std::uint32_t face : faces) {
     for (std::uint32_t c = 0; c < 3; ++c) {
@@ -164,6 +164,33 @@ std::vector<CorpusFile> spreadSelection(const std::vector<CorpusFile>& files, st
   return selection;
 }
 
+std::vector<CorpusFile> everyNth(const std::vector<CorpusFile>& files, std::size_t n) {
+  std::map<fs::path, std::vector<CorpusFile>> folders;
+  for (const auto& file : files) folders[file.path.parent_path()].push_back(file);
+  std::vector<CorpusFile> selection;
+  for (const auto& [folder, members] : folders) {
+    for (std::size_t i = std::min(n / 2, members.size() - 1); i < members.size(); i += n) {
+      selection.push_back(members[i]);
+    }
+  }
+  return selection;
+}
+
+void dropUnusedVertices(BenchMesh& mesh) {
+  constexpr std::uint32_t kUnused = 0xffffffff;
+  std::vector<std::uint32_t> new_index(mesh.vertexCount(), kUnused);
+  for (const std::uint32_t index : mesh.indices) new_index[index] = 0;
+  std::uint32_t kept = 0;
+  for (std::size_t v = 0; v < new_index.size(); ++v) {
+    if (new_index[v] == kUnused) continue;
+    std::copy_n(&mesh.positions[3 * v], 3, &mesh.positions[3 * std::size_t{kept}]);
+    new_index[v] = kept++;
+  }
+  mesh.dropped_vertices += new_index.size() - kept;
+  mesh.positions.resize(3 * std::size_t{kept});
+  for (std::uint32_t& index : mesh.indices) index = new_index[index];
+}
+
 std::vector<BenchMesh> loadMeshes(const fs::path& path) try {
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
@@ -184,6 +211,7 @@ std::vector<BenchMesh> loadMeshes(const fs::path& path) try {
     mesh.class_name = fs::absolute(path).parent_path().filename().string();
     Welder welder(mesh);
     for (const auto& primitive : source.primitives) addPrimitive(model, primitive, welder, mesh);
+    dropUnusedVertices(mesh);
     if (mesh.faceCount() > 0) meshes.push_back(std::move(mesh));
   }
   if (meshes.empty()) throw std::runtime_error("no triangles with float positions");
@@ -244,7 +272,7 @@ BenchMesh subdivide(const BenchMesh& mesh) {
       for (int k = 0; k < 3; ++k) normals[3 * corner[k] + static_cast<std::uint32_t>(c)] += component;
     }
   }
-  BenchMesh result{mesh.name, mesh.class_name, mesh.positions, {}};
+  BenchMesh result{.name = mesh.name, .class_name = mesh.class_name, .positions = mesh.positions, .indices = {}};
   std::mt19937 random(1);
   std::unordered_map<std::uint64_t, std::uint32_t> midpoints;
   const auto midpoint = [&](std::uint32_t a, std::uint32_t b) {
@@ -277,7 +305,7 @@ BenchMesh subdivide(const BenchMesh& mesh) {
 }
 
 BenchMesh makePlane(std::size_t side, double degrees) {
-  BenchMesh plane{fmt::format("plane{}", side), "made", {}, {}};
+  BenchMesh plane{.name = fmt::format("plane{}", side), .class_name = "made", .positions = {}, .indices = {}};
   std::mt19937 random(1);
   const double angle = degrees * 3.14159265358979323846 / 180;
   const auto jitter = [&] { return (random() / 4294967296.0 - 0.5) * 0.5; };

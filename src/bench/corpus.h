@@ -8,12 +8,13 @@
 
 namespace tsc::bench {
 
-/// One welded triangle mesh. Positions are distinct, bit by bit; -0 has become +0.
+/// One welded triangle mesh. Positions are distinct, bit by bit; -0 has become +0. Every vertex is used by a triangle.
 struct BenchMesh {
   std::string name;        ///< file name without extension, with a number where a file has several meshes
   std::string class_name;  ///< folder that the file was in
   std::vector<float> positions;
   std::vector<std::uint32_t> indices;
+  std::size_t dropped_vertices = 0;  ///< vertices of the file that no triangle uses, left out
 
   std::size_t vertexCount() const { return positions.size() / 3; }
   std::size_t faceCount() const { return indices.size() / 3; }
@@ -35,9 +36,16 @@ std::vector<CorpusFile> listFiles(const std::vector<std::string>& arguments);
 std::vector<CorpusFile> spreadSelection(const std::vector<CorpusFile>& files, std::size_t count);
 
 /// Reads all triangle meshes of a glTF file: positions and indices alone, the primitives of a mesh joined and welded.
-/// Throws std::runtime_error, naming the file, on a file that cannot be read, without triangles, or with positions
-/// that are not finite.
+/// Vertices that no triangle uses are left out: Draco drops them where our codec keeps them, and both are to have the
+/// same input. Throws std::runtime_error, naming the file, on a file that cannot be read, without triangles, or with
+/// positions that are not finite.
 std::vector<BenchMesh> loadMeshes(const std::filesystem::path& path);
+
+/// Every n-th file of each folder, from the middle of the first n on; at least one of each folder.
+std::vector<CorpusFile> everyNth(const std::vector<CorpusFile>& files, std::size_t n);
+
+/// Leaves out the vertices that no triangle uses; the others keep their order.
+void dropUnusedVertices(BenchMesh& mesh);
 
 /// A connected patch of about `vertex_count` vertices, grown face by face from the middle of the face list. Returns
 /// the whole mesh when it has no more vertices than that.

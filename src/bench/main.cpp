@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   tsc::bench::addRateCommand(app, exit_code);
   tsc::bench::addSpeedCommand(app, exit_code);
   tsc::bench::addPlaneCommand(app, exit_code);
+  tsc::bench::addTargetsCommand(app, exit_code);
   tsc::bench::addReportCommand(app, exit_code);
   try {
     app.parse(argc, argv);

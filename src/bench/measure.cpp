@@ -19,6 +19,9 @@ namespace tsc::bench {
 
 namespace {
 
+constexpr const char* kRateFile = "draco-rate.csv";
+constexpr const char* kDistortionFile = "draco-distortion-2.csv";  // 2: of the Metro samples that measure.h gives
+
 std::vector<Variant> allVariants() {
   std::vector<Variant> variants;
   const auto add = [&](const char* name, Mode mode, Basis basis, Predictor predictor, Order order, std::uint32_t scale,
@@ -113,6 +116,30 @@ void readCache(const std::filesystem::path& path, const Add& add) {
   }
 }
 
+/// The step at which the codec should need `bits`, judging by its runs: log step over bits, as a smooth curve through
+/// all runs inside their range.
+double stepTowards(const std::vector<CodecPoint>& runs, double bits) {
+  constexpr double kMaxExtension = 4;
+  // Bits fall as the step grows: `fine` needs more than the target, `coarse` less.
+  const CodecPoint *fine = nullptr, *coarse = nullptr;
+  std::map<double, double> log_step_of_bits;
+  for (const CodecPoint& point : runs) {
+    if (point.bits >= bits && (fine == nullptr || point.bits < fine->bits)) fine = &point;
+    if (point.bits < bits && (coarse == nullptr || point.bits > coarse->bits)) coarse = &point;
+    log_step_of_bits[point.bits] = std::log(point.step);
+  }
+  // Beyond what was run: from the end of the steps, for a finer step does not always need more bits.
+  const auto by_step = [](const CodecPoint& a, const CodecPoint& b) { return a.step < b.step; };
+  if (fine == nullptr) return std::min_element(runs.begin(), runs.end(), by_step)->step / kMaxExtension;
+  if (coarse == nullptr) return std::max_element(runs.begin(), runs.end(), by_step)->step * kMaxExtension;
+  std::vector<double> x, y;
+  for (const auto& [run_bits, log_step] : log_step_of_bits) x.push_back(run_bits), y.push_back(log_step);
+  // Kept off the ends of the bracket, so that it shrinks even on a kinked curve.
+  const double low = std::log(fine->step), span = std::log(coarse->step) - low;
+  const double t = span != 0 ? (Pchip(x, y)(bits) - low) / span : 0.5;
+  return std::exp(low + span * std::clamp(t, 0.02, 0.98));
+}
+
 template <class T>
 T requireMeasured(const BenchMesh& mesh, Measured<T> measured) {
   if (!measured) throw std::runtime_error(mesh.name + ": " + measured.error().message);
@@ -145,6 +172,13 @@ std::vector<Variant> selectVariants(const std::string& names, Effort effort) {
   return selection;
 }
 
+std::vector<Variant> variantsOfEffort(const std::vector<Variant>& variants, Effort effort) {
+  std::vector<Variant> selection;
+  std::copy_if(variants.begin(), variants.end(), std::back_inserter(selection),
+               [effort](const Variant& variant) { return variant.options.effort == effort; });
+  return selection;
+}
+
 Mesh codecMesh(const BenchMesh& mesh) {
   Mesh result;
   result.tables.push_back({mesh.positions});
@@ -159,37 +193,16 @@ StepCodec makeCodec(const BenchMesh& mesh, const Variant& variant) {
   return [codec = std::make_shared<LaplacianCodec>(mesh)](double step) { return codec->run(step); };
 }
 
-CodecPoint pointAtRate(const StepCodec& codec, const std::vector<CodecPoint>& known, double bits) {
+const CodecPoint& pointAtRate(const StepCodec& codec, std::vector<CodecPoint>& runs, double bits) {
   constexpr int kMaxRuns = 7;
-  constexpr double kMaxExtension = 4;
-  // Bits fall as the step grows: `fine` needs more than the target, `coarse` less.
-  std::optional<CodecPoint> fine, coarse;
-  for (const CodecPoint& point : known) {
-    if (point.bits >= bits && (!fine || point.bits < fine->bits)) fine = point;
-    if (point.bits < bits && (!coarse || point.bits > coarse->bits)) coarse = point;
-  }
   const auto error = [bits](const CodecPoint& point) { return std::abs(point.bits / bits - 1); };
-  const auto closer = [&] {
-    if (!fine || !coarse) return fine ? *fine : *coarse;
-    return error(*fine) < error(*coarse) ? *fine : *coarse;
+  const auto closest = [&]() -> const CodecPoint& {
+    return *std::min_element(runs.begin(), runs.end(), [&](auto& a, auto& b) { return error(a) < error(b); });
   };
-  for (int run = 0; run < kMaxRuns; ++run) {
-    if (fine && error(*fine) < kRateTolerance) return *fine;
-    if (coarse && error(*coarse) < kRateTolerance) return *coarse;
-    double step;
-    if (!fine) {
-      step = coarse->step / kMaxExtension;
-    } else if (!coarse) {
-      step = fine->step * kMaxExtension;
-    } else {
-      // Linear in log step, kept off the ends so that a kinked curve still shrinks the bracket.
-      const double t = std::clamp((fine->bits - bits) / (fine->bits - coarse->bits), 0.05, 0.95);
-      step = fine->step * std::pow(coarse->step / fine->step, t);
-    }
-    CodecPoint point = codec(step);
-    (point.bits >= bits ? fine : coarse) = std::move(point);
+  for (int run = 0; run < kMaxRuns && error(closest()) >= kRateTolerance; ++run) {
+    runs.push_back(codec(stepTowards(runs, bits)));
   }
-  return closer();
+  return closest();
 }
 
 double meanSquaredError(const std::vector<float>& a, const std::vector<float>& b) {
@@ -202,17 +215,20 @@ Distortion measureDistortion(const BenchMesh& mesh, const std::vector<float>& po
   const SurfaceView original{mesh.positions, mesh.indices};
   Distortion distortion;
   distortion.mse = meanSquaredError(mesh.positions, positions);
-  distortion.metro = requireMeasured(mesh, metro(original, {positions, mesh.indices})).rms();
+  MetroOptions options;
+  options.samples = std::clamp<std::uint64_t>(mesh.faceCount(), kMinMetroSamples, kMaxMetroSamples);
+  options.at_vertices = false;
+  distortion.metro = requireMeasured(mesh, metro(original, {positions, mesh.indices}, options)).rms();
   distortion.dame = requireMeasured(mesh, dame(original, positions)).value;
   return distortion;
 }
 
 DracoCache::DracoCache(std::filesystem::path folder) : folder_(std::move(folder)) {
   std::filesystem::create_directories(folder_);
-  readCache(folder_ / "draco-rate.csv", [&](const std::string& key, double a, double b, double c) {
+  readCache(folder_ / kRateFile, [&](const std::string& key, double a, double b, double c) {
     entries_[key] = {a, b, c};
   });
-  readCache(folder_ / "draco-distortion.csv", [&](const std::string& key, double a, double b, double c) {
+  readCache(folder_ / kDistortionFile, [&](const std::string& key, double a, double b, double c) {
     distortions_[key] = {a, b, c};
   });
 }
@@ -236,7 +252,7 @@ DracoCache::Entry DracoCache::rate(const BenchMesh& mesh, const std::string& key
   const Entry entry{8.0 * double(stream.bytes.size()), 8.0 * double(stream.connectivity_bytes), distortion.mse_by_grid};
   const std::lock_guard lock(mutex_);
   entries_[full_key] = entry;
-  append("draco-rate.csv", full_key, entry.bits, entry.connectivity_bits, entry.mse);
+  append(kRateFile, full_key, entry.bits, entry.connectivity_bits, entry.mse);
   return entry;
 }
 
@@ -249,7 +265,7 @@ Distortion DracoCache::distortion(const BenchMesh& mesh, const std::string& key,
   const Distortion distortion = measureDistortion(mesh, dracoGridPositions(mesh, bits));
   const std::lock_guard lock(mutex_);
   distortions_[full_key] = distortion;
-  append("draco-distortion.csv", full_key, distortion.mse, distortion.metro, distortion.dame);
+  append(kDistortionFile, full_key, distortion.mse, distortion.metro, distortion.dame);
   return distortion;
 }
 

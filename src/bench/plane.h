@@ -27,9 +27,12 @@ struct PlaneRow {
 
 /// World space: Draco at its nearest setting, our codec in its lattice mode. Tangent space: the paper's codec with
 /// normal scale 1 and 2, with the first triangle exact as our codec stores it, and with one that was rounded to the
-/// tangential step beforehand, which is what a codec that quantises it would start from.
+/// tangential step beforehand, which is what a codec that quantises it would start from. Then the same of a model of
+/// the paper's codec (plane_model.h), on lattices of several finenesses.
 std::vector<PlaneRow> measurePlane(const PlaneOptions& options);
 
+/// What the columns and rows of the table mean.
+const char* planeNote();
 std::string planeTable(const std::vector<PlaneRow>& rows);
 
 }  // namespace tsc::bench

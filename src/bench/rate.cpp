@@ -27,15 +27,15 @@ std::optional<double> ratio(double value, double reference) {
   return reference > 0 ? std::optional(value / reference) : std::nullopt;
 }
 
-/// Ratios to Draco's distortion at its rate. The curve is passed for its runs, which are where the search starts.
-RatiosAtRate ratiosAt(const BenchMesh& mesh, const StepCodec& codec, const std::vector<CodecPoint>& curve,
+/// Ratios to Draco's distortion at its rate. The search for it starts from `runs`, and adds its own.
+RatiosAtRate ratiosAt(const BenchMesh& mesh, const StepCodec& codec, std::vector<CodecPoint>& runs,
                       const DracoCache::Entry& draco, const std::optional<Distortion>& draco_distortion) {
   RatiosAtRate ratios;
   if (!draco_distortion) {
-    if (const auto mse = mseAtRate(ratePoints(curve), draco.bits)) ratios.mse = ratio(*mse, draco.mse);
+    if (const auto mse = mseAtRate(ratePoints(runs), draco.bits)) ratios.mse = ratio(*mse, draco.mse);
     if (ratios.mse) return ratios;
   }
-  const CodecPoint point = pointAtRate(codec, curve, draco.bits);
+  const CodecPoint& point = pointAtRate(codec, runs, draco.bits);
   if (!draco_distortion) {
     ratios.mse = ratio(point.mse, draco.mse);
     return ratios;
@@ -47,18 +47,17 @@ RatiosAtRate ratiosAt(const BenchMesh& mesh, const StepCodec& codec, const std::
   return ratios;
 }
 
-void measureVariant(const BenchMesh& mesh, const Variant& variant, const MeshRate& draco, bool keep_positions,
+void measureVariant(const BenchMesh& mesh, const Variant& variant, const MeshRate& draco,
                     const std::optional<Distortion>& draco_distortion, VariantRate& result) {
   const StepCodec codec = makeCodec(mesh, variant);
-  for (const int bits : draco.bits) {
-    result.curve.push_back(codec(stepForBits(codecMesh(mesh), bits)));
-    if (!keep_positions) result.curve.back().positions.clear();
-  }
+  std::vector<CodecPoint> runs;
+  for (const int bits : draco.bits) runs.push_back(codec(stepForBits(codecMesh(mesh), bits)));
+  result.curve = runs;
+  for (CodecPoint& point : result.curve) point.positions = {};
   result.bd7 = bdRate(ratePoints(draco.draco7), ratePoints(result.curve));
   result.bd10 = bdRate(ratePoints(draco.draco10), ratePoints(result.curve));
-  result.at7 = ratiosAt(mesh, codec, result.curve, draco.reference7, draco_distortion);
-  result.at10 = ratiosAt(mesh, codec, result.curve, draco.reference10, draco_distortion);
-  for (CodecPoint& point : result.curve) point.positions = {};
+  result.at7 = ratiosAt(mesh, codec, runs, draco.reference7, draco_distortion);
+  result.at10 = ratiosAt(mesh, codec, runs, draco.reference10, draco_distortion);
 }
 
 std::string percent(const std::optional<double>& fraction) {
@@ -84,17 +83,21 @@ double otherConnectivity(const StreamBits& parts) {
   return parts.header + parts.references + parts.corners + parts.side_faces;
 }
 
-RateSummary summarizeGroup(const std::vector<const MeshRate*>& meshes, const std::string& group, std::size_t variant) {
+RateSummary summarizeGroup(const std::vector<const MeshRate*>& meshes, const std::string& group,
+                           const std::string& variant) {
   RateSummary summary;
   summary.group = group;
+  summary.variant = variant;
   std::vector<double> bd7, bd10, bpv, draco7, draco10, mse7, mse10, metro7, metro10, dame7, dame10;
   double connectivity = 0, other = 0, draco_connectivity = 0, worst_bd = -1, worst_mse = 0;
   const auto add = [](std::vector<double>& values, const std::optional<double>& value) {
     if (value) values.push_back(*value);
   };
   for (const MeshRate* mesh : meshes) {
-    const VariantRate& rate = mesh->variants.at(variant);
-    summary.variant = rate.name;
+    const auto found = std::find_if(mesh->variants.begin(), mesh->variants.end(),
+                                    [&](const VariantRate& rate) { return rate.name == variant; });
+    if (found == mesh->variants.end()) continue;
+    const VariantRate& rate = *found;
     ++summary.meshes;
     if (!rate.error.empty()) {
       ++summary.failed;
@@ -157,6 +160,7 @@ MeshRate measureRate(const BenchMesh& mesh, const RateOptions& options, DracoCac
   result.class_name = mesh.class_name;
   result.vertices = mesh.vertexCount();
   result.faces = mesh.faceCount();
+  result.dropped_vertices = mesh.dropped_vertices;
   result.bits = options.bits;
   for (const int bits : options.bits) {
     result.draco7.push_back(cache.rate(mesh, key, 7, bits));
@@ -171,7 +175,7 @@ MeshRate measureRate(const BenchMesh& mesh, const RateOptions& options, DracoCac
     VariantRate& rate = result.variants.emplace_back();
     rate.name = variant.name;
     try {
-      measureVariant(mesh, variant, result, options.with_metrics, draco_distortion, rate);
+      measureVariant(mesh, variant, result, draco_distortion, rate);
     } catch (const std::runtime_error& error) {
       rate = {};
       rate.name = variant.name;
@@ -179,6 +183,27 @@ MeshRate measureRate(const BenchMesh& mesh, const RateOptions& options, DracoCac
     }
   }
   return result;
+}
+
+void mergeRates(std::vector<MeshRate>& meshes, const std::vector<MeshRate>& others) {
+  for (const MeshRate& other : others) {
+    const auto same = std::find_if(meshes.begin(), meshes.end(), [&](const MeshRate& mesh) {
+      return mesh.name == other.name && mesh.class_name == other.class_name;
+    });
+    if (same == meshes.end()) {
+      meshes.push_back(other);
+    } else {
+      same->variants.insert(same->variants.end(), other.variants.begin(), other.variants.end());
+    }
+  }
+}
+
+std::size_t failedVariants(const std::vector<MeshRate>& meshes) {
+  std::size_t failed = 0;
+  for (const MeshRate& mesh : meshes) {
+    for (const VariantRate& rate : mesh.variants) failed += rate.error.empty() ? 0 : 1;
+  }
+  return failed;
 }
 
 std::string rateLinesHeading() {
@@ -192,6 +217,10 @@ std::string rateLines(const MeshRate& mesh) {
   std::string lines;
   const std::size_t shown = mesh.shownPoint();
   const double n = double(mesh.vertices);
+  if (mesh.dropped_vertices > 0) {
+    lines += fmt::format("{:<26}{:>8} {} more vertices, which no triangle uses, were left out for all codecs\n",
+                         mesh.name, mesh.vertices, mesh.dropped_vertices);
+  }
   for (const VariantRate& rate : mesh.variants) {
     if (!rate.error.empty()) {
       lines += fmt::format("{:<26}{:>8} {:<13}error: {}\n", mesh.name, mesh.vertices, rate.name, rate.error);
@@ -223,9 +252,13 @@ std::vector<RateSummary> summarize(const std::vector<MeshRate>& meshes) {
     for (const MeshRate& mesh : meshes) {
       if (group == "all" || mesh.class_name == group) members.push_back(&mesh);
     }
-    for (std::size_t v = 0; v < members.front()->variants.size(); ++v) {
-      summaries.push_back(summarizeGroup(members, group, v));
+    std::vector<std::string> variants;
+    for (const MeshRate* mesh : members) {
+      for (const VariantRate& rate : mesh->variants) {
+        if (std::find(variants.begin(), variants.end(), rate.name) == variants.end()) variants.push_back(rate.name);
+      }
     }
+    for (const std::string& variant : variants) summaries.push_back(summarizeGroup(members, group, variant));
   }
   return summaries;
 }

@@ -37,6 +37,7 @@ struct VariantRate {
 struct MeshRate {
   std::string name, class_name;
   std::size_t vertices = 0, faces = 0;
+  std::size_t dropped_vertices = 0;  ///< as in BenchMesh
   std::vector<int> bits;
   std::vector<DracoCache::Entry> draco7, draco10;  ///< one a setting
   DracoCache::Entry reference7, reference10;       ///< at kReferenceBits
@@ -48,6 +49,12 @@ struct MeshRate {
 
 /// Measures one mesh. Errors of our codec end up in `VariantRate::error`; others are thrown as std::runtime_error.
 MeshRate measureRate(const BenchMesh& mesh, const RateOptions& options, DracoCache& cache);
+
+/// Adds the variants of `others` to the meshes of the same class and name.
+void mergeRates(std::vector<MeshRate>& meshes, const std::vector<MeshRate>& others);
+
+/// How many measurements ended in `VariantRate::error`.
+std::size_t failedVariants(const std::vector<MeshRate>& meshes);
 
 /// One line a variant: bits per vertex in their parts, and the ratios.
 std::string rateLines(const MeshRate& mesh);

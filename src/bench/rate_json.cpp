@@ -52,6 +52,7 @@ void to_json(Json& json, const MeshRate& mesh) {
           {"class", mesh.class_name},
           {"vertices", mesh.vertices},
           {"faces", mesh.faces},
+          {"dropped", mesh.dropped_vertices},
           {"bits", mesh.bits},
           {"draco7", Json::array()},
           {"draco10", Json::array()},
@@ -78,6 +79,7 @@ void from_json(const Json& json, MeshRate& mesh) {
   mesh.class_name = json["class"];
   mesh.vertices = json["vertices"];
   mesh.faces = json["faces"];
+  mesh.dropped_vertices = json["dropped"];
   mesh.bits = json["bits"].get<std::vector<int>>();
   for (const Json& entry : json["draco7"]) mesh.draco7.push_back(entryFrom(entry));
   for (const Json& entry : json["draco10"]) mesh.draco10.push_back(entryFrom(entry));

@@ -13,9 +13,9 @@ namespace tsc::bench {
 struct ReportData {
   std::string provenance, command;
   std::vector<MeshRate> rates;
-  std::vector<MeshRate> patches;  ///< small patches, standing for small meshes
-  std::vector<MeshSpeed> speeds;
-  std::vector<MeshSpeed> series;  ///< one mesh at rising sizes
+  std::vector<MeshRate> patches;              ///< small patches, standing for small meshes
+  std::vector<MeshSpeed> speeds, speeds_max;  ///< default effort, and effort max on fewer meshes
+  std::vector<MeshSpeed> series;              ///< one mesh at rising sizes
   std::vector<PlaneRow> plane;
 };
 

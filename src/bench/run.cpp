@@ -2,6 +2,7 @@
 #include "run.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -47,6 +48,8 @@ std::vector<BenchMesh> meshesOf(const CorpusFile& file, const std::vector<std::s
 std::size_t forEachMesh(const MeshSet& set, const std::function<void(const BenchMesh&)>& measure) {
   std::vector<CorpusFile> files = set.files;
   std::stable_sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.bytes > b.bytes; });
+  // The metrics are parallel within: together they are to use no more threads than were asked for.
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::max(1u, set.threads));
   std::atomic<std::size_t> next = 0, done = 0, failed = 0;
   const bool on_terminal = isatty(STDERR_FILENO) != 0;
   const auto start = std::chrono::steady_clock::now();

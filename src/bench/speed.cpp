@@ -171,35 +171,33 @@ std::string speedLines(const MeshSpeed& mesh) {
   return text;
 }
 
-std::string speedSummary(const std::vector<MeshSpeed>& meshes, std::size_t min_vertices) {
-  std::vector<const MeshSpeed*> large;
-  for (const MeshSpeed& mesh : meshes) {
-    if (mesh.vertices >= min_vertices) large.push_back(&mesh);
-  }
-  if (large.empty()) return {};
+std::string speedSummary(const std::vector<MeshSpeed>& meshes) {
+  if (meshes.empty()) return {};
+  std::size_t smallest = meshes.front().vertices;
+  for (const MeshSpeed& mesh : meshes) smallest = std::min(smallest, mesh.vertices);
   std::string text = fmt::format(
-      "medians over {} meshes of at least {} vertices; speed ratios above 1: faster than Draco\n"
+      "medians over {} meshes of {} vertices and more; speed ratios above 1: faster than Draco\n"
       "{:<14} | {:>9}{:>9}{:>7}{:>8} | {:>9}{:>9}{:>7}{:>8} | {:>7} | {:>8}{:>8}\n",
-      large.size(), min_vertices, "", "enc ns/v", "Mtri/s", "x cl7", "x cl10", "dec ns/v", "Mtri/s", "x cl7", "x cl10",
+      meshes.size(), smallest, "", "enc ns/v", "Mtri/s", "x cl7", "x cl10", "dec ns/v", "Mtri/s", "x cl7", "x cl10",
       "x memcpy", "enc B/v", "dec B/v");
-  for (const CodecSpeed& first : large.front()->codecs) {
+  for (const CodecSpeed& first : meshes.front().codecs) {
     std::vector<double> encode, encode_mtri, encode7, encode10, decode, decode_mtri, decode7, decode10, copy, ep, dp;
-    for (const MeshSpeed* mesh : large) {
-      const CodecSpeed& speed = mesh->codec(first.codec);
+    for (const MeshSpeed& mesh : meshes) {
+      const CodecSpeed& speed = mesh.codec(first.codec);
       if (!speed.error.empty()) continue;
-      const double n = double(mesh->vertices);
+      const double n = double(mesh.vertices);
       decode.push_back(speed.decode_ns / n);
-      decode_mtri.push_back(1000 * double(mesh->faces) / speed.decode_ns);
-      decode7.push_back(mesh->codec("draco-cl7").decode_ns / speed.decode_ns);
-      decode10.push_back(mesh->codec("draco-cl10").decode_ns / speed.decode_ns);
-      copy.push_back(mesh->codec("memcpy").decode_ns / speed.decode_ns);
+      decode_mtri.push_back(1000 * double(mesh.faces) / speed.decode_ns);
+      decode7.push_back(mesh.codec("draco-cl7").decode_ns / speed.decode_ns);
+      decode10.push_back(mesh.codec("draco-cl10").decode_ns / speed.decode_ns);
+      copy.push_back(mesh.codec("memcpy").decode_ns / speed.decode_ns);
       ep.push_back(speed.encode_peak_bytes / n);
       dp.push_back(speed.decode_peak_bytes / n);
       if (speed.encode_ns <= 0) continue;
       encode.push_back(speed.encode_ns / n);
-      encode_mtri.push_back(1000 * double(mesh->faces) / speed.encode_ns);
-      encode7.push_back(mesh->codec("draco-cl7").encode_ns / speed.encode_ns);
-      encode10.push_back(mesh->codec("draco-cl10").encode_ns / speed.encode_ns);
+      encode_mtri.push_back(1000 * double(mesh.faces) / speed.encode_ns);
+      encode7.push_back(mesh.codec("draco-cl7").encode_ns / speed.encode_ns);
+      encode10.push_back(mesh.codec("draco-cl10").encode_ns / speed.encode_ns);
     }
     text += fmt::format(
         "{:<14} | {:>9.1f}{:>9.2f}{:>7.2f}{:>8.2f} | {:>9.1f}{:>9.2f}{:>7.2f}{:>8.2f} | {:>8.3f} | {:>8.1f}{:>8.1f}\n",
@@ -207,6 +205,21 @@ std::string speedSummary(const std::vector<MeshSpeed>& meshes, std::size_t min_v
         medianOf(decode_mtri), medianOf(decode7), medianOf(decode10), medianOf(copy), medianOf(ep), medianOf(dp));
   }
   return text;
+}
+
+std::optional<SpeedMedians> speedMedians(const std::vector<MeshSpeed>& meshes, const std::string& codec) {
+  std::vector<double> decode, encode, heap;
+  for (const MeshSpeed& mesh : meshes) {
+    const auto ours = std::find_if(mesh.codecs.begin(), mesh.codecs.end(),
+                                   [&](const CodecSpeed& speed) { return speed.codec == codec; });
+    if (ours == mesh.codecs.end() || !ours->error.empty()) continue;
+    const CodecSpeed& draco = mesh.codec("draco-cl10");
+    decode.push_back(draco.decode_ns / ours->decode_ns);
+    encode.push_back(ours->encode_ns / draco.encode_ns);
+    heap.push_back(ours->decode_peak_bytes / double(mesh.vertices));
+  }
+  if (decode.empty()) return std::nullopt;
+  return SpeedMedians{decode.size(), medianOf(decode), medianOf(encode), medianOf(heap)};
 }
 
 std::string speedCsv(const std::vector<MeshSpeed>& meshes) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,8 +41,17 @@ MeshSpeed measureSpeed(const BenchMesh& mesh, const SpeedOptions& options);
 /// A table of one mesh: ns a vertex, Mtriangles/s, heap, and ratios to Draco.
 std::string speedLines(const MeshSpeed& mesh);
 
-/// Ratios over a set of meshes of at least `min_vertices`: ours to Draco's, medians of the meshes.
-std::string speedSummary(const std::vector<MeshSpeed>& meshes, std::size_t min_vertices);
+/// Ratios over a set of meshes: ours to Draco's, medians of the meshes. Empty for none.
+std::string speedSummary(const std::vector<MeshSpeed>& meshes);
+
+/// What our codec's goals are set in, medians over a set of meshes. Absent when the codec was not measured.
+struct SpeedMedians {
+  std::size_t meshes = 0;
+  double decode_speed = 0;                ///< Draco's -cl 10 decoding time over ours
+  double encode_time = 0;                 ///< our encoding time over Draco's -cl 10
+  double decode_peak_bytes_a_vertex = 0;  ///< of heap
+};
+std::optional<SpeedMedians> speedMedians(const std::vector<MeshSpeed>& meshes, const std::string& codec);
 
 std::string speedCsv(const std::vector<MeshSpeed>& meshes);
 

@@ -91,11 +91,10 @@ struct OneSided {
   double max = 0;
 };
 
-OneSided measureOneSided(const ClosestPoints& from, double area, const ClosestPoints& to, std::uint64_t samples,
-                         std::uint32_t seed) {
-  const std::vector<glm::dvec3> points = samplePoints(from, area, samples, seed);
+OneSided measureOneSided(const ClosestPoints& from, double area, const ClosestPoints& to, const MetroOptions& options) {
+  const std::vector<glm::dvec3> points = samplePoints(from, area, options.samples, options.seed);
   const Deviation over_area = measureDeviation(points, to);
-  const Deviation at_vertices = measureDeviation(usedPositions(from), to);
+  const Deviation at_vertices = options.at_vertices ? measureDeviation(usedPositions(from), to) : Deviation();
   const double mean = points.empty() ? 0 : over_area.sum_of_squares / static_cast<double>(points.size());
   return {to.fromFrame(std::sqrt(mean)),
           to.fromFrame(std::sqrt(std::max(over_area.max_squared, at_vertices.max_squared)))};
@@ -117,14 +116,15 @@ Measured<MetroErrors> metro(const SurfaceView& a, const SurfaceView& b, const Me
     return QualityError{QualityErrorCode::kNoFaces, "the mesh has no area"};
   }
 
-  MetroErrors errors;
-  errors.samples = options.samples;
-  if (errors.samples == 0) {
+  MetroOptions chosen = options;
+  if (chosen.samples == 0) {
     const std::uint64_t triangles = std::max(a.indices.size(), b.indices.size()) / 3;
-    errors.samples = std::clamp<std::uint64_t>(2 * triangles, 50'000, 1'000'000);
+    chosen.samples = std::clamp<std::uint64_t>(2 * triangles, 50'000, 1'000'000);
   }
-  const OneSided a_to_b = measureOneSided(surface_a, area_a, surface_b, errors.samples, options.seed);
-  const OneSided b_to_a = measureOneSided(surface_b, area_b, surface_a, errors.samples, options.seed);
+  const OneSided a_to_b = measureOneSided(surface_a, area_a, surface_b, chosen);
+  const OneSided b_to_a = measureOneSided(surface_b, area_b, surface_a, chosen);
+  MetroErrors errors;
+  errors.samples = chosen.samples;
   errors.rms_a_to_b = a_to_b.rms;
   errors.max_a_to_b = a_to_b.max;
   errors.rms_b_to_a = b_to_a.rms;

@@ -57,6 +57,30 @@ TEST(SpreadSelection, takesFromEveryFolder) {
   EXPECT_EQ(std::count_if(selection.begin(), selection.end(), [](auto& f) { return f.path.parent_path() == "b"; }), 3);
 }
 
+TEST(EveryNth, takesAtLeastOneOfEveryFolder) {
+  std::vector<CorpusFile> files;
+  for (int i = 0; i < 10; ++i) files.push_back({"a/" + std::to_string(i), 1});
+  files.push_back({"b/0", 1});
+  const auto selection = everyNth(files, 4);
+  ASSERT_EQ(selection.size(), 3u);
+  EXPECT_EQ(selection[0].path, "a/2");
+  EXPECT_EQ(selection[1].path, "a/6");
+  EXPECT_EQ(selection[2].path, "b/0");
+  EXPECT_EQ(everyNth(files, 1).size(), 11u);
+}
+
+TEST(DropUnusedVertices, keepsTheOthersInOrder) {
+  BenchMesh mesh{.name = "m", .class_name = "c", .positions = {}, .indices = {1, 4, 3}};
+  for (int v = 0; v < 6; ++v) mesh.positions.insert(mesh.positions.end(), {float(v), 0, float(v * v)});
+  dropUnusedVertices(mesh);
+  EXPECT_EQ(mesh.positions, (std::vector<float>{1, 0, 1, 3, 0, 9, 4, 0, 16}));
+  EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 2, 1}));
+  EXPECT_EQ(mesh.dropped_vertices, 3u);
+  dropUnusedVertices(mesh);
+  EXPECT_EQ(mesh.dropped_vertices, 3u);
+  EXPECT_EQ(mesh.vertexCount(), 3u);
+}
+
 TEST(Loading, saysWhatIsWrong) {
   EXPECT_THROW(listFiles({"/nonexistent"}), std::runtime_error);
   const auto path = std::filesystem::temp_directory_path() / "tsc_bench_corpus_test.glb";

@@ -39,7 +39,8 @@ TEST(PointAtRate, hitsTheRate) {
     return point;
   };
   for (const double target : {3e4, 1e5, 1.7e5}) {
-    EXPECT_NEAR(pointAtRate(codec, {codec(1), codec(2)}, target).bits / target, 1, kRateTolerance);
+    std::vector<CodecPoint> runs = {codec(1), codec(2)};
+    EXPECT_NEAR(pointAtRate(codec, runs, target).bits / target, 1, kRateTolerance);
   }
 }
 

@@ -134,14 +134,15 @@ Measured<Correspondence> matchVertices(const SurfaceView& a, const SurfaceView& 
 struct MetroOptions {
   /// Samples on each surface, spread evenly by area; 0: twice the triangles, at least 50,000 and at most 1,000,000.
   std::uint64_t samples = 0;
-  std::uint32_t seed = 1;  ///< shifts the sampling pattern; the same seed gives the same figures
+  bool at_vertices = true;  ///< also measure at the vertices, for the maxima; the RMS is over the samples alone
+  std::uint32_t seed = 1;   ///< shifts the sampling pattern; the same seed gives the same figures
 };
 
 /// Point-to-surface distances in position units, after Cignoni, Rocchini & Scopigno 1998 ("Metro").
 struct MetroErrors {
   double rms_a_to_b = 0;  ///< over area samples of A, distance to B's surface
   double rms_b_to_a = 0;
-  double max_a_to_b = 0;  ///< over area samples and vertices of A: a lower bound of the one-sided Hausdorff distance
+  double max_a_to_b = 0;  ///< over area samples, and vertices, of A: a lower bound of the one-sided Hausdorff distance
   double max_b_to_a = 0;
   double area_a = 0;
   double area_b = 0;
