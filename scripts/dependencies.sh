@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing on Debian 12, through apt: dependencies.sh build|tests
 #   build  compiler, CMake and the libraries
-#   tests  those, and the programs that tests run: other compilers, an emulator, another importer, Node.js
+#   tests  those, and the programs that tests run: other compilers, an emulator, another importer, a browser, Node.js
 # Needs root or sudo only if something is missing.
 set -euo pipefail
 
@@ -11,7 +11,7 @@ build_packages=(
   libxxhash-dev nlohmann-json3-dev
   libeigen3-dev libembree-dev
 )
-test_packages=(assimp-utils clang g++-aarch64-linux-gnu python3 qemu-user)
+test_packages=(assimp-utils chromium clang g++-aarch64-linux-gnu python3 qemu-user)
 
 packages=("${build_packages[@]}")
 case "${1:-build}" in

@@ -7,9 +7,11 @@ preset=${1:-release}
 scripts/dependencies.sh tests
 cmake --preset "$preset"
 cmake --build --preset "$preset"
-# The Khronos validator; without a network its tests skip, and say so.
+# The Khronos validator and three.js; without a network their tests skip, and say so.
 if [[ $preset == release ]]; then
-  npm install --prefix "build/$preset/validator" --no-audit --no-fund --loglevel=error </dev/null ||
-    echo "npm could not install the validator; its tests will be skipped" >&2
+  for packages in validator render; do
+    npm install --prefix "build/$preset/$packages" --no-audit --no-fund --loglevel=error </dev/null ||
+      echo "npm could not install what build/$preset/$packages/package.json names; its tests will be skipped" >&2
+  done
 fi
 ctest --preset "$preset" -j "$(nproc)"

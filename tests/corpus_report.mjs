@@ -1,13 +1,20 @@
-// Packs and unpacks every asset of a corpus with the built program and tells what became of each: the table of the
-// README, and proof that nothing is lost in silence.
+// Packs and unpacks every asset of a corpus with the built program and tells what became of each: the tables of the
+// README, and proof that nothing is lost in silence and that nothing cracks.
 //
-//   node corpus_report.mjs [--corpus DIR] [--program FILE] [--validator DIR] [--loader FILE] [--short] [--json FILE]
+//   node corpus_report.mjs [--corpus DIR] [--program FILE] [--validator DIR] [--loader FILE] [--cracks FILE]
+//                          [--sanitized FILE] [--short] [--json FILE] [--readme FILE]
 //
 // --validator: folder in which npm installed gltf-validator. --loader: a program that loads its arguments with
-// tinygltf and prints `FILE: reason` for each that fails. --short: every eighth file, for continuous integration.
+// tinygltf and prints `FILE: reason` for each that fails. --cracks: the program that counts cracked edges, here and
+// after Draco. --sanitized: the same program as --program, built with sanitizers; each asset goes through both.
+// --short: every eighth file, for continuous integration. --readme: writes the tables into this file, between its
+// marks.
+//
 // Exits with 77 where the corpus or the program is absent, with 1 where anything is wrong: a crash, a file that takes
-// over 10 s or 1 GiB, an accepted asset that does not come back, a new error or warning of the validator, an unpacked
-// file that tinygltf or assimp cannot load though it could load the original, a refusal without a place.
+// over 10 s of processor time or 1 GiB, an accepted asset that does not come back, a new error or warning of the
+// validator, an unpacked file that tinygltf or assimp cannot load though it could load the original, a refusal without
+// a place, a cracked edge, a finding of a sanitizer. Processor time, so that a busy machine fails no file; memory is the
+// largest resident set, of the plain program, for a sanitized one takes several times as much by its nature.
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
@@ -21,7 +28,10 @@ const options = {
   program: path.join(root, 'build/release/src/cli/gltf-tsc'),
   validator: path.join(root, 'build/release/validator'),
   loader: path.join(root, 'build/release/tests/gltf/tsc_load_with_tinygltf'),
+  cracks: path.join(root, 'build/release/tests/gltf/tsc_count_cracked_edges'),
+  sanitized: '',
   json: '',
+  readme: '',
 };
 const argv = process.argv.slice(2);
 const short = argv.includes('--short');
@@ -37,7 +47,9 @@ const skip = (reason) => {
   process.exit(77);
 };
 if (!fs.existsSync(path.join(options.corpus, 'manifest.csv'))) skip(`no corpus at ${options.corpus}`);
-if (!fs.existsSync(options.program)) skip(`no program at ${options.program}`);
+for (const program of [options.program, options.sanitized].filter(Boolean)) {
+  if (!fs.existsSync(program)) skip(`no program at ${program}`);
+}
 
 let validator = null;
 try {
@@ -49,9 +61,11 @@ const has = (program) => spawnSync('sh', ['-c', `command -v ${program}`]).status
 const hasAssimp = has('assimp');
 const hasTime = fs.existsSync('/usr/bin/time');
 const hasLoader = fs.existsSync(options.loader);
+const hasCracks = fs.existsSync(options.cracks);
 if (!hasAssimp) console.log('note: no assimp; its loads are not tried');
 if (!hasTime) console.log('note: no /usr/bin/time; memory is not measured');
 if (!hasLoader) console.log(`note: no ${options.loader}; loads with tinygltf are not tried`);
+if (!hasCracks) console.log(`note: no ${options.cracks}; cracked edges are not counted`);
 
 /// Rows of manifest.csv as objects; quoted columns may hold commas.
 function readManifest() {
@@ -64,26 +78,48 @@ function readManifest() {
   });
 }
 
-/// Runs the program under the limits; time and memory go into `costs`.
-const costs = { seconds: 0, secondsOf: '', kilobytes: 0, kilobytesOf: '' };
-function run(args, file) {
+/// Runs a program under the limits; `seconds` of processor time, so that it is killed for what it does and not for how
+/// busy the machine is.
+function runLimited(program, args) {
   const timeFile = path.join(scratch, 'time');
-  const command = hasTime ? ['/usr/bin/time', '-o', timeFile, '-f', '%e %M', options.program] : [options.program];
-  const started = process.hrtime.bigint();
-  const result = spawnSync(command[0], [...command.slice(1), ...args],
-                           { timeout: maxSeconds * 2000, encoding: 'utf8' });
-  let seconds = Number(process.hrtime.bigint() - started) / 1e9;
+  const measured = hasTime ? ['/usr/bin/time', '-q', '-o', timeFile, '-f', '%U %S %M'] : [];
+  const command = [...measured, 'sh', '-c', `ulimit -t ${maxSeconds + 5}; exec "$0" "$@"`, program, ...args];
+  const result = spawnSync(command[0], command.slice(1), { timeout: maxSeconds * 20000, encoding: 'utf8' });
+  let seconds = 0;
   let kilobytes = 0;
   if (hasTime && fs.existsSync(timeFile)) {
-    [seconds, kilobytes] = fs.readFileSync(timeFile, 'utf8').trim().split('\n').pop().split(' ').map(Number);
+    const [user, system, peak] = fs.readFileSync(timeFile, 'utf8').trim().split('\n').pop().split(' ').map(Number);
+    seconds = user + system;
+    kilobytes = peak;
+    fs.rmSync(timeFile);
   }
-  if (seconds > costs.seconds) Object.assign(costs, { seconds, secondsOf: file });
-  if (kilobytes > costs.kilobytes) Object.assign(costs, { kilobytes, kilobytesOf: file });
   const problems = [];
+  // GNU time gives 128 + signal, as a shell does.
   if (result.status === null || result.status > 5) problems.push(`crashed (${result.signal ?? result.status})`);
   if (seconds > maxSeconds) problems.push(`took ${seconds} s`);
-  if (kilobytes > maxKilobytes) problems.push(`took ${kilobytes} KiB`);
-  return { code: result.status, message: result.stderr?.trim() ?? '', out: result.stdout ?? '', problems };
+  return { code: result.status, message: result.stderr?.trim() ?? '', seconds, kilobytes, problems };
+}
+
+/// Runs the program; what it took goes into `costs`.
+const costs = { seconds: 0, secondsOf: '', kilobytes: 0, kilobytesOf: '', sanitizedSeconds: 0, sanitizedSecondsOf: '' };
+function run(args, file) {
+  const result = runLimited(options.program, args);
+  const { seconds, kilobytes } = result;
+  if (seconds > costs.seconds) Object.assign(costs, { seconds, secondsOf: file });
+  if (kilobytes > costs.kilobytes) Object.assign(costs, { kilobytes, kilobytesOf: file });
+  if (kilobytes > maxKilobytes) result.problems.push(`took ${kilobytes} KiB`);
+  return result;
+}
+
+/// The same with the sanitized program, which must come to the same end as the plain one did with exit code `expected`.
+function sanitizedProblems(args, file, expected) {
+  if (!options.sanitized) return [];
+  const { code, message, seconds, problems } = runLimited(options.sanitized, args);
+  if (seconds > costs.sanitizedSeconds) Object.assign(costs, { sanitizedSeconds: seconds, sanitizedSecondsOf: file });
+  const finding = message.split('\n').find((line) => /runtime error|Sanitizer/.test(line));
+  if (finding) problems.push(finding);
+  if (code !== expected && problems.length === 0) problems.push(`exit code ${code}, without sanitizers ${expected}`);
+  return problems.map((problem) => `sanitized ${args[0]}: ${problem}`);
 }
 
 async function issuesOf(file) {
@@ -134,6 +170,14 @@ function loadProblems(original, plain) {
 const scratch = fs.mkdtempSync(path.join(os.tmpdir(), 'tsc-corpus-'));
 process.on('exit', () => fs.rmSync(scratch, { recursive: true, force: true }));
 
+/// Edges that primitives share, and how many of them crack: here, and in Draco at 14 and 11 bits.
+function cracksOf(input) {
+  if (!hasCracks) return null;
+  const result = spawnSync(options.cracks, [input], { timeout: 120000, encoding: 'utf8' });
+  if (result.status !== 0) return { failed: `crashed (${result.signal ?? result.status})` };
+  return JSON.parse(result.stdout);
+}
+
 /// What pack says of an asset: from a second run, for its report measures distortion, which is not what is timed here.
 function reportOf(input, folder, extension) {
   const file = path.join(folder, 'report.json');
@@ -152,8 +196,10 @@ async function process1(entry) {
   const plain = path.join(folder, `plain${extension}`);
   try {
     const pack = run(['pack', input, '-o', packed], entry.path);
+    const sanitized = (verb, from, code) =>
+      sanitizedProblems([verb, from, '-o', path.join(folder, `sanitized-${verb}${extension}`)], entry.path, code);
     if (pack.code !== 0) {
-      const problems = [...pack.problems];
+      const problems = [...pack.problems, ...sanitized('pack', input, pack.code)];
       const message = pack.message.split('\n').pop();
       if (!/^gltf-tsc: .+: .+/.test(message)) problems.push(`a refusal without a place: ${message}`);
       if (fs.readdirSync(folder).length > 0) problems.push('a refusal left files behind');
@@ -164,7 +210,8 @@ async function process1(entry) {
     const untouched = reasons.length > 0 ? 'kept' : 'empty';
     const fate = report.streams.length === 0 ? untouched : reasons.length > 0 ? 'partly' : 'packed';
     const unpack = run(['unpack', packed, '-o', plain], entry.path);
-    const problems = [...pack.problems, ...unpack.problems];
+    const problems = [...pack.problems, ...unpack.problems, ...sanitized('pack', input, 0),
+                      ...sanitized('unpack', packed, unpack.code)];
     if (unpack.code !== 0) problems.push(`unpack: ${unpack.message}`);
     problems.push(...(await newIssues(entry, input, packed)).map((issue) => `packed: ${issue}`));
     if (unpack.code === 0) {
@@ -174,7 +221,11 @@ async function process1(entry) {
     for (const stream of report.streams) {
       if (!(stream.maxError <= stream.guaranteedError)) problems.push(`${stream.label}: error above the bound`);
     }
-    return { fate, reasons, problems, triangles: report.streams.reduce((sum, s) => sum + s.triangles, 0) };
+    const cracks = cracksOf(input);
+    if (cracks?.failed && report.streams.length > 0) problems.push(`counting cracked edges: ${cracks.failed}`);
+    if (cracks?.after !== cracks?.before) problems.push(`${cracks.after} cracked edges, ${cracks.before} before`);
+    const triangles = report.streams.reduce((sum, stream) => sum + stream.triangles, 0);
+    return { fate, reasons, problems, cracks, triangles };
   } finally {
     fs.rmSync(folder, { recursive: true, force: true });
   }
@@ -186,21 +237,54 @@ const results = [];
 for (const entry of rows) results.push({ entry, ...(await process1(entry)) });
 
 const verdicts = ['valid', 'tolerable', 'invalid', 'unreadable'];
-const fates = ['packed', 'partly', 'empty', 'kept', 'refused'];
-console.log('\n| Folder | Validator says | Tried | Packed | In part | Nothing to pack | Kept, said why ' +
-            '| Refused, said why |');
-console.log('|---|---|--:|--:|--:|--:|--:|--:|');
-for (const folder of ['gltf', 'bad']) {
+const fates = {
+  packed: 'packed',
+  partly: 'packed in part, said why',
+  empty: 'nothing to pack',
+  kept: 'kept, said why',
+  refused: 'refused, said why',
+};
+
+/// What became of assets, by what the validator says of them. Fates that none met have no column.
+function fateTable() {
+  const met = Object.keys(fates).filter((fate) => results.some((result) => result.fate === fate));
+  const lines = [`| the validator says | tried | ${met.map((fate) => fates[fate]).join(' | ')} |`,
+                 `|---|--:|${met.map(() => '--:|').join('')}`];
   for (const verdict of verdicts) {
-    const group = results.filter(({ entry }) => entry.class === folder && entry.expect === verdict);
-    if (group.length === 0) continue;
-    const counts = fates.map((fate) => group.filter((result) => result.fate === fate).length);
-    console.log(`| ${folder} | ${verdict} | ${group.length} | ${counts.join(' | ')} |`);
+    const group = results.filter(({ entry }) => entry.expect === verdict);
+    const counts = met.map((fate) => group.filter((result) => result.fate === fate).length);
+    lines.push(`| ${verdict} | ${group.length} | ${counts.join(' | ')} |`);
   }
+  return lines.join('\n');
+}
+
+function crackTable() {
+  const counted = results.map(({ cracks }) => cracks).filter((cracks) => cracks?.shared > 0);
+  const row = (name, count) => {
+    const cracked = counted.map(count);
+    return `| ${name} | ${cracked.reduce((a, b) => a + b, 0)} | ${cracked.filter(Boolean).length} |`;
+  };
+  return [`| of ${counted.reduce((sum, { shared }) => sum + shared, 0)} edges that primitives share, in ` +
+          `${counted.length} assets | cracked edges | assets |`, '|---|--:|--:|', row('as they were', (c) => c.before),
+          row('packed and unpacked', (c) => c.after),
+          row('Draco, each primitive by itself, 14 bits', (c) => c.draco14.cracked),
+          row('Draco, each primitive by itself, 11 bits', (c) => c.draco11.cracked)].join('\n');
+}
+
+const tables = hasCracks ? `${fateTable()}\n\n${crackTable()}` : fateTable();
+console.log(`\n${results.length} assets\n\n${tables}`);
+if (options.readme) {
+  const marks = /(<!-- corpus_report\.mjs -->\n)[\s\S]*?(<!-- end -->)/;
+  const readme = fs.readFileSync(options.readme, 'utf8');
+  if (!marks.test(readme)) throw new Error(`${options.readme}: no marks <!-- corpus_report.mjs --> and <!-- end -->`);
+  fs.writeFileSync(options.readme, readme.replace(marks, `$1\n${tables}\n\n$2`));
 }
 const megabytes = (costs.kilobytes / 1024).toFixed(0);
-console.log(`\nMost time: ${costs.seconds} s (${costs.secondsOf}).`);
+console.log(`\nMost time: ${costs.seconds.toFixed(2)} s (${costs.secondsOf}).`);
 console.log(`Most memory: ${megabytes} MiB (${costs.kilobytesOf}).`);
+if (options.sanitized) {
+  console.log(`Most time with sanitizers: ${costs.sanitizedSeconds.toFixed(2)} s (${costs.sanitizedSecondsOf}).`);
+}
 
 for (const fate of ['kept', 'partly', 'refused']) {
   console.log(`\n${fate}:`);

@@ -2,11 +2,9 @@
 #include <fmt/core.h>
 
 #include <CLI/App.hpp>
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
 #include <memory>
 
+#include "../gltf/file_io.h"
 #include "command.h"
 #include "distortion.h"
 #include "files.h"
@@ -24,13 +22,6 @@ struct CompareCommand {
   MetroOptions metro;
   LoadOptions load;
 };
-
-std::string lowerExtension(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 Expected<std::vector<NamedSurface>> readSurfaces(const std::string& file, const LoadOptions& options) {
   const std::string extension = lowerExtension(file);

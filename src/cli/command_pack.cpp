@@ -2,9 +2,9 @@
 #include <fmt/core.h>
 
 #include <CLI/App.hpp>
-#include <cstdio>
+#include <filesystem>
 #include <memory>
-#include <utility>
+#include <system_error>
 
 #include "command.h"
 #include "distortion.h"
@@ -29,21 +29,22 @@ struct PackCommand {
 
 Failure usage(const std::string& message) { return {FailureKind::kUsage, message}; }
 
-/// What `compare` says; null, with a warning, where that cannot be measured.
-Json measureDistortion(const Asset& original, const Asset& packed, const Verbosity& verbosity) {
-  const Progress progress("measuring", !verbosity.quiet);
-  auto distortion = packDistortion(original, packed);
-  if (distortion) return std::move(*distortion);
-  if (!verbosity.quiet) {
-    fmt::print(stderr, "gltf-tsc: warning: distortion was not measured: {}\n", distortion.failure().message);
-  }
-  return nullptr;
+bool samePlace(const std::filesystem::path& a, const std::filesystem::path& b) {
+  return std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal();
 }
 
 int packOne(const PackCommand& command) {
   const std::string& input = command.inputs[0];
+  std::error_code error;
+  if (std::filesystem::is_directory(input, error)) {
+    return fail(
+        usage(input + ": found a folder, expected the name of a file; --out-dir FOLDER packs all assets in it"));
+  }
   if (command.report == "-" && command.output == "-") {
     return fail(usage("standard output cannot take both the asset (-o -) and the report (--report -)"));
+  }
+  if (!command.report.empty() && samePlace(command.report, command.output)) {
+    return fail(usage(command.output + ": cannot take both the asset (-o) and the report (--report)"));
   }
   if (Outcome bad = checkOutput(command.output, command.force)) return fail(*bad);
   if (!command.report.empty()) {
@@ -65,7 +66,8 @@ int packOne(const PackCommand& command) {
   printPackReport(input, command.output, *report, command.verbosity);
   if (measure) {
     Json json = packReportJson(input, command.output, *report);
-    json["distortion"] = measureDistortion(original, *asset, command.verbosity);
+    const Progress progress("measuring", !command.verbosity.quiet);
+    json["distortion"] = reportDistortion(original, *asset, input, command.verbosity.quiet);
     const std::string text = writeJson(json, 2) + "\n";
     if (Outcome bad = saveText(text, command.report, command.force)) return fail(*bad);
   }
@@ -74,6 +76,9 @@ int packOne(const PackCommand& command) {
 
 int runPack(const PackCommand& command) {
   const bool many = !command.out_dir.empty();
+  for (const std::string& input : command.inputs) {
+    if (input.empty()) return fail(usage("found an empty name, expected that of an asset"));
+  }
   if (many == !command.output.empty()) return fail(usage("one of -o FILE and --out-dir FOLDER is needed"));
   if (!many && command.inputs.size() > 1) {
     return fail(usage(command.inputs[1] + ": found a second input, expected one; --out-dir FOLDER packs many"));

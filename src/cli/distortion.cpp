@@ -1,5 +1,7 @@
 #include "distortion.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -203,6 +205,15 @@ Expected<Json> packDistortion(const Asset& original, const Asset& packed, const 
   const auto comparison = compareScenes(*before, *after, options);
   if (!comparison) return toFailure(comparison.error());
   return Json::parse(comparisonJson(*comparison));
+}
+
+Json reportDistortion(const Asset& original, const Asset& packed, const std::string& input, bool quiet) {
+  auto distortion = packDistortion(original, packed);
+  if (distortion) return std::move(*distortion);
+  if (!quiet) {
+    fmt::print(stderr, "gltf-tsc: warning: {}: distortion was not measured: {}\n", input, distortion.failure().message);
+  }
+  return nullptr;
 }
 
 }  // namespace tsc::cli

@@ -23,4 +23,8 @@ Failure toFailure(const QualityError& error);
 /// What `compare` would say as JSON of an asset before and after `packAsset`; null if it has no triangles.
 Expected<Json> packDistortion(const Asset& original, const Asset& packed, const MetroOptions& options = {});
 
+/// The same for the report about `input`: where it cannot be measured null, and unless `quiet` a warning on standard
+/// error.
+Json reportDistortion(const Asset& original, const Asset& packed, const std::string& input, bool quiet);
+
 }  // namespace tsc::cli

@@ -11,6 +11,8 @@
 #include <system_error>
 #include <vector>
 
+#include "../gltf/file_io.h"
+
 namespace tsc::cli {
 namespace {
 
@@ -65,6 +67,10 @@ Outcome writeStream(const std::string& output, std::span<const std::byte> bytes)
 }  // namespace
 
 Expected<Asset> loadInput(const std::string& input, const LoadOptions& options) {
+  std::error_code error;
+  if (fs::is_directory(input, error)) {
+    return Failure{FailureKind::kUsage, fmt::format("{}: found a folder, expected the name of a file", input)};
+  }
   if (input != "-") return loadAsset(fs::path(input), options);
   auto bytes = readStandardInput(options.limits.max_input_bytes);
   if (!bytes) return bytes.failure();
@@ -89,11 +95,11 @@ Outcome checkTextOutput(const std::string& output, bool force) {
 }
 
 Outcome checkOutput(const std::string& output, bool force) {
-  const fs::path extension = fs::path(output).extension();
+  const std::string extension = lowerExtension(output);
   if (output != "-" && !isStream(output) && extension != ".gltf" && extension != ".glb") {
     return Failure{FailureKind::kUsage,
                    fmt::format("{}: found the file name extension '{}', expected .gltf, .glb, or - for standard output",
-                               output, extension.string())};
+                               output, fs::path(output).extension().string())};
   }
   return checkTextOutput(output, force);
 }

@@ -38,6 +38,10 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     const auto chosen = app.get_subcommands();
+    if (chosen.empty() && argc > 1 && argv[1][0] != '-') {
+      fmt::print(stderr, "gltf-tsc: found '{}', expected pack, unpack, inspect or compare\n", argv[1]);
+      return kUsage;
+    }
     fmt::print(stderr, "gltf-tsc: {}\nTry 'gltf-tsc {}--help'.\n", error.what(),
                chosen.empty() ? "" : chosen[0]->get_name() + " ");
     return kUsage;

@@ -22,6 +22,9 @@
 #include <system_error>
 #include <thread>
 
+#include "../gltf/container.h"
+#include "../gltf/file_io.h"
+#include "distortion.h"
 #include "files.h"
 #include "progress.h"
 #include "report.h"
@@ -44,6 +47,7 @@ struct JobResult {
   Status status = Status::kFailed;
   Failure failure = {FailureKind::kUnsupported, ""};
   PackReport report;
+  Json distortion;          ///< measured where a report is written
   std::string input_hash;   ///< of the input's content and the options; empty if it could not be read
   std::string output_hash;  ///< of the document that was written
 };
@@ -51,7 +55,15 @@ struct JobResult {
 /// What the last run left in the output folder: output name -> hashes.
 using Record = std::map<std::string, std::pair<std::string, std::string>>;
 
-bool isAssetName(const fs::path& path) { return path.extension() == ".gltf" || path.extension() == ".glb"; }
+bool isAssetName(const fs::path& path) {
+  const std::string extension = lowerExtension(path);
+  return extension == ".gltf" || extension == ".glb";
+}
+
+/// "1 asset", "2 assets".
+std::string counted(std::size_t count, const char* thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
 
 // ---------------------------------------------------------------------------------------------------------- Inputs
 
@@ -71,16 +83,21 @@ void addFolder(const fs::path& folder, const fs::path& out_dir, std::vector<Job>
   for (const fs::path& path : found) jobs.push_back({path, path.lexically_relative(folder)});
 }
 
-std::vector<std::string> expandPattern(const std::string& pattern) {
+bool isPattern(const std::string& input) {
   std::error_code error;
-  if (pattern.find_first_of("*?[") == std::string::npos || fs::exists(pattern, error)) return {pattern};
+  return input.find_first_of("*?[") != std::string::npos && !fs::exists(input, error);
+}
+
+/// The paths that an input stands for; none if it is a pattern that nothing fits.
+std::vector<std::string> expandPattern(const std::string& pattern) {
+  if (!isPattern(pattern)) return {pattern};
   glob_t matches = {};
   std::vector<std::string> paths;
   if (::glob(pattern.c_str(), 0, nullptr, &matches) == 0) {
     paths.assign(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
   }
   ::globfree(&matches);
-  return paths.empty() ? std::vector{pattern} : paths;
+  return paths;
 }
 
 std::vector<Job> listJobs(const PackManyRequest& request) {
@@ -139,8 +156,8 @@ std::string hashOfInput(const Asset& asset, const PackOptions& options) {
   for (const Json& image : *images) {
     if (!image.is_object() || !image.contains("uri") || !image["uri"].is_string()) continue;
     const std::string uri = image["uri"];
-    const auto bytes = uri.starts_with("data:") ? Expected<std::vector<std::byte>>(std::vector<std::byte>())
-                                                : readFile(asset.folder / uri, asset.options.limits.max_input_bytes);
+    if (uri.starts_with("data:")) continue;  // part of the document
+    const auto bytes = readFile(asset.folder / percentDecode(uri), asset.options.limits.max_input_bytes);
     hasher.add(bytes ? std::span<const std::byte>(*bytes) : std::span<const std::byte>());
   }
   return hasher.digest();
@@ -208,11 +225,16 @@ JobResult packJob(const PackManyRequest& request, const Job& job, const Record& 
   std::error_code error;
   fs::create_directories(output.parent_path(), error);
   if (auto bad = checkOutput(output.string(), request.force)) return failed(*bad);
+  const bool measure = !request.report.empty();
+  const Asset original = measure ? *asset : Asset();
   auto report = packAsset(*asset, request.pack);
   if (!report) return failed(report.failure());
   if (auto bad = saveAsset(*asset, output, {.force = request.force})) return failed(*bad);
   result.status = Status::kPacked;
   result.report = std::move(*report);
+  if (measure) {
+    result.distortion = reportDistortion(original, *asset, job.input.string(), request.verbosity.quiet);
+  }
   result.output_hash = hashOfFile(output, request.load);
   return result;
 }
@@ -235,6 +257,7 @@ std::string reportLine(const Job& job, const fs::path& output, const JobResult& 
   Json json;
   if (result.status == Status::kPacked) {
     json = packReportJson(job.input.string(), output.string(), result.report);
+    json["distortion"] = result.distortion;
   } else {
     json = {{"input", job.input.string()}, {"output", output.string()}};
   }
@@ -255,9 +278,9 @@ void printLine(const Job& job, const JobResult& result) {
   for (const StreamReport& stream : result.report.streams) {
     if (stream.diagonal > 0) max_relative = std::max(max_relative, stream.max_error / stream.diagonal);
   }
-  fmt::print(stderr, "{}: {}, {} streams, max error {:.2g} of the diagonal", job.input.string(),
-             describeSizes(result.report.input_bytes, result.report.output_bytes), result.report.streams.size(),
-             max_relative);
+  fmt::print(stderr, "{}: {}, {}, max error {:.2g} of the diagonal", job.input.string(),
+             describeSizes(result.report.input_bytes, result.report.output_bytes),
+             counted(result.report.streams.size(), "stream"), max_relative);
   if (!result.report.kept.empty()) {
     fmt::print(stderr, ", {} kept as they were ({}: {})", result.report.kept.size(), result.report.kept[0].label,
                result.report.kept[0].reason);
@@ -278,7 +301,7 @@ std::vector<JobResult> packAll(const PackManyRequest& request, const std::vector
   std::vector<JobResult> results(jobs.size());
   std::vector<std::size_t> numbers(jobs.size());
   std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-  Progress progress(fmt::format("packing {} assets", jobs.size()), !request.verbosity.quiet);
+  Progress progress("packing " + counted(jobs.size(), "asset"), !request.verbosity.quiet);
   std::atomic<std::uint64_t> done = 0;
   // More jobs than processors are the user's wish; without this TBB would refuse them, with a warning.
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
@@ -307,6 +330,9 @@ int packMany(const PackManyRequest& request) {
   if (!request.report.empty()) {
     if (auto bad = checkTextOutput(request.report, request.force)) return fail(*bad);
   }
+  for (const std::string& input : request.inputs) {
+    if (expandPattern(input).empty()) return fail({FailureKind::kUsage, fmt::format("{}: fits no file", input)});
+  }
   const std::vector<Job> jobs = listJobs(request);
   if (jobs.empty()) {
     return fail({FailureKind::kUsage, fmt::format("{}: found no .gltf and no .glb in it", request.inputs[0])});
@@ -330,7 +356,7 @@ int packMany(const PackManyRequest& request) {
     }
   }
   if (!request.verbosity.quiet) {
-    fmt::print(stderr, "{} assets: {} packed, {} unchanged, {} failed\n", jobs.size(), packed, unchanged,
+    fmt::print(stderr, "{}: {} packed, {} unchanged, {} failed\n", counted(jobs.size(), "asset"), packed, unchanged,
                failures.size());
   }
   for (const Failure* failure : failures) (void)fail(*failure);

@@ -13,9 +13,6 @@
 namespace tsc {
 namespace {
 
-constexpr int kArrayBuffer = 34962;
-constexpr int kElementArrayBuffer = 34963;
-
 std::size_t roundUp(std::size_t value, std::size_t multiple) { return (value + multiple - 1) / multiple * multiple; }
 
 /// Writes an offset, leaving out what is the default and was not there.
@@ -129,19 +126,30 @@ void AccessorEditor::reorderSparse(std::size_t accessor, const AccessorInfo& inf
     std::memcpy(values.data() + i * info.element_bytes, old.values.data() + rank[i] * info.element_bytes,
                 info.element_bytes);
   }
-  const std::uint64_t view = pool(PoolKind::kSparse, 0);
-  Json& sparse = json(accessor)["sparse"];
-  const auto store = [&](const char* part, std::span<const std::byte> data) {
-    std::vector<std::byte>& bytes = buffers_.bytes(view);
-    bytes.resize(roundUp(bytes.size(), 4));
-    const std::size_t offset = bytes.size();
-    bytes.insert(bytes.end(), data.begin(), data.end());
-    attribute_bytes_ += data.size();
-    sparse[part]["bufferView"] = view;
-    setOffset(sparse[part], offset);
-  };
-  store("indices", writeUnsigned(indices, glTypeBytes(old.index_type, "")));
-  store("values", values);
+  storeSparse(accessor, "indices", writeUnsigned(indices, glTypeBytes(old.index_type, "")));
+  storeSparse(accessor, "values", values);
+}
+
+std::pair<std::uint64_t, std::size_t> AccessorEditor::addData(std::span<const std::byte> bytes) {
+  const std::uint64_t view = pool(PoolKind::kData, 0);
+  std::vector<std::byte>& data = buffers_.bytes(view);
+  data.resize(roundUp(data.size(), 4));
+  const std::size_t offset = data.size();
+  data.insert(data.end(), bytes.begin(), bytes.end());
+  attribute_bytes_ += bytes.size();
+  return {view, offset};
+}
+
+void AccessorEditor::storeBytes(std::size_t accessor, std::span<const std::byte> bytes) {
+  const auto [view, offset] = addData(bytes);
+  setView(accessor, view, offset);
+}
+
+void AccessorEditor::storeSparse(std::size_t accessor, const char* part, std::span<const std::byte> bytes) {
+  const auto [view, offset] = addData(bytes);
+  Json& holder = json(accessor)["sparse"][part];
+  holder["bufferView"] = view;
+  setOffset(holder, offset);
 }
 
 std::size_t AccessorEditor::reorder(std::size_t old, std::span<const std::uint32_t> order) {
@@ -185,6 +193,33 @@ void AccessorEditor::setIndices(std::size_t accessor, std::span<const std::uint3
   entry["componentType"] = component_type;
   entry["count"] = indices.size();
   entry["type"] = "SCALAR";
+  updateIndexBounds(accessor, indices);
+}
+
+std::size_t AccessorEditor::renumber(std::size_t old, IndexSpace& space) {
+  const auto [entry, added] = space.indices.emplace(old, 0);
+  if (!added) return entry->second;
+  const AccessorInfo info = data_.accessor(old);
+  std::vector<std::uint32_t> indices = data_.indices(info);
+  for (std::uint32_t& index : indices) {
+    if (index >= space.new_index.size()) {
+      failInvalid("/accessors/" + std::to_string(old), "found vertex index " + std::to_string(index) +
+                                                           ", expected one below " +
+                                                           std::to_string(space.new_index.size()));
+    }
+    index = space.new_index[index];
+  }
+  entry->second = claim(old);
+  setIndices(entry->second, indices, indexTypeFor(info.component_type, space.order.size()));
+  return entry->second;
+}
+
+void AccessorEditor::updateIndexBounds(std::size_t accessor, std::span<const std::uint32_t> indices) {
+  Json& entry = json(accessor);
+  if (indices.empty()) return;
+  const auto [low, high] = std::minmax_element(indices.begin(), indices.end());
+  if (entry.contains("min")) entry["min"] = Json::array({*low});
+  if (entry.contains("max")) entry["max"] = Json::array({*high});
 }
 
 }  // namespace tsc

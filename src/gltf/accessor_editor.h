@@ -15,6 +15,18 @@
 
 namespace tsc {
 
+using AccessorMap = std::map<std::size_t, std::size_t>;  ///< old accessor -> new
+
+/// One vertex table while its accessors are rewritten.
+struct IndexSpace {
+  std::vector<std::uint32_t> order;      ///< old vertex of each new one
+  std::vector<std::uint32_t> new_index;  ///< the inverse
+  AccessorMap attributes;
+  AccessorMap stored;  ///< by `DataAccess::canonical`
+  AccessorMap indices;
+  AccessorMap line_strings;  ///< indices too, with values between them that mean no vertex
+};
+
 class AccessorEditor {
  public:
   /// `foreign`: accessors whose present data somebody outside the packed meshes needs. `data` reads `original`, an
@@ -43,6 +55,19 @@ class AccessorEditor {
   /// Points `accessor` at `indices`, written with `component_type` into a view for indices.
   void setIndices(std::size_t accessor, std::span<const std::uint32_t> indices, std::uint32_t component_type);
 
+  /// The vertex indices `old`, their values renumbered: gives the accessor that has them. One and the same for all who
+  /// ask with the same `space`.
+  std::size_t renumber(std::size_t old, IndexSpace& space);
+
+  /// Points `accessor` at bytes of its own, at a multiple of four in a view for data of any kind.
+  void storeBytes(std::size_t accessor, std::span<const std::byte> bytes);
+
+  /// The same for a part of an accessor: its member `sparse.indices` or `sparse.values`.
+  void storeSparse(std::size_t accessor, const char* part, std::span<const std::byte> bytes);
+
+  /// States the bounds of an index accessor anew, where it states any.
+  void updateIndexBounds(std::size_t accessor, std::span<const std::uint32_t> indices);
+
   /// Points an accessor at the start of a view (or at `offset` in it); no sparse data any more.
   void setView(std::size_t accessor, std::uint64_t view, std::uint64_t offset = 0);
 
@@ -50,9 +75,11 @@ class AccessorEditor {
   std::uint64_t attributeBytes() const { return attribute_bytes_; }
 
  private:
-  /// Views that many accessors share: one per stride for attributes, one for indices, one for sparse data.
-  enum class PoolKind { kAttributes, kIndices, kSparse };
+  /// Views that many accessors share: one per stride for attributes, one per type for indices, one for other data.
+  enum class PoolKind { kAttributes, kIndices, kData };
   std::uint64_t pool(PoolKind kind, std::size_t stride);
+  /// Where the bytes went: view and offset.
+  std::pair<std::uint64_t, std::size_t> addData(std::span<const std::byte> bytes);
   void storeElements(std::size_t accessor, std::span<const std::byte> elements, std::size_t element_bytes);
   void reorderSparse(std::size_t accessor, const AccessorInfo& info, std::span<const std::uint32_t> order);
 

@@ -12,8 +12,6 @@
 namespace tsc {
 namespace {
 
-std::string number(std::uint64_t value) { return std::to_string(value); }
-
 /// What the codec is given: a mesh that borrows the positions beside it.
 struct CodecInput {
   std::vector<std::vector<float>> positions;  ///< by table

@@ -12,8 +12,6 @@
 namespace tsc {
 namespace {
 
-std::string number(std::uint64_t value) { return std::to_string(value); }
-
 /// No meshopt codec expands more than this: attributes take 4 bytes a byte column and block of 256 elements, triangles
 /// one byte each (12 bytes decoded). So a count is checked before anything is allocated.
 constexpr std::uint64_t kMaxMeshoptRatio = 64;

@@ -13,8 +13,6 @@ namespace {
 /// Accessors without a view take no space in the file, so that their count alone must not make us allocate.
 constexpr std::uint64_t kMaxUnbackedBytes = std::uint64_t{1} << 28;
 
-std::string number(std::uint64_t value) { return std::to_string(value); }
-
 std::size_t matrixColumns(const std::string& type) {
   if (type == "MAT2") return 2;
   if (type == "MAT3") return 3;
@@ -45,6 +43,12 @@ std::size_t glTypeBytes(std::uint32_t component_type, const std::string& place) 
     case kGlFloat: return 4;
     default: failInvalid(place, "found " + number(component_type) + ", expected 5120, 5121, 5122, 5123, 5125 or 5126");
   }
+}
+
+std::uint32_t indexTypeFor(std::uint32_t type, std::uint64_t vertex_count) {
+  if (type == kGlUnsignedByte && vertex_count > UINT8_MAX) type = kGlUnsignedShort;
+  if (type == kGlUnsignedShort && vertex_count > UINT16_MAX) type = kGlUnsignedInt;
+  return type;
 }
 
 std::vector<std::uint32_t> readUnsigned(std::span<const std::byte> bytes, std::size_t component_bytes) {

@@ -26,6 +26,10 @@ enum GlType : std::uint32_t {
   kGlFloat = 5126,
 };
 
+/// Targets of buffer views, by their glTF (GL) number.
+inline constexpr std::uint32_t kArrayBuffer = 34962;
+inline constexpr std::uint32_t kElementArrayBuffer = 34963;
+
 /// What an accessor says of itself, checked.
 struct AccessorInfo {
   std::size_t index = 0;
@@ -105,5 +109,8 @@ std::vector<std::uint32_t> readUnsigned(std::span<const std::byte> bytes, std::s
 
 /// The opposite; each value must fit.
 std::vector<std::byte> writeUnsigned(std::span<const std::uint32_t> values, std::size_t component_bytes);
+
+/// The smallest type that holds indices of so many vertices, from `type` on; the largest value of each is forbidden.
+std::uint32_t indexTypeFor(std::uint32_t type, std::uint64_t vertex_count);
 
 }  // namespace tsc

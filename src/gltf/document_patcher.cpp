@@ -13,23 +13,13 @@
 namespace tsc {
 namespace {
 
-constexpr int kArrayBuffer = 34962;
-constexpr int kElementArrayBuffer = 34963;
 constexpr std::uint64_t kNoOrder = UINT64_MAX;
-
-std::string number(std::uint64_t value) { return std::to_string(value); }
+constexpr std::uint64_t kNoView = UINT64_MAX;
 
 std::vector<std::uint32_t> inverse(std::span<const std::uint32_t> order) {
   std::vector<std::uint32_t> inverted(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) inverted[order[i]] = static_cast<std::uint32_t>(i);
   return inverted;
-}
-
-/// The smallest type that holds indices of so many vertices, from `type` on; the largest value of each is forbidden.
-std::uint32_t indexTypeFor(std::uint32_t type, std::uint64_t vertex_count) {
-  if (type == kGlUnsignedByte && vertex_count > UINT8_MAX) type = kGlUnsignedShort;
-  if (type == kGlUnsignedShort && vertex_count > UINT16_MAX) type = kGlUnsignedInt;
-  return type;
 }
 
 void setBounds(Json& accessor, const std::vector<float>& positions, ComponentType type) {
@@ -58,11 +48,17 @@ DocumentPatcher::DocumentPatcher(Asset& asset, const Asset& original, DataAccess
       buffers_(buffers),
       survey_(survey),
       options_(options),
-      accessors_(asset, original, data, buffers, foreignAccessors(coded)) {}
+      accessors_(asset, original, data, buffers, foreignAccessors(coded)),
+      order_patcher_(asset, data, accessors_) {}
 
 /// With the order kept, data that is plain in the asset need not move at all.
 bool DocumentPatcher::staysAsItIs(std::size_t accessor) const {
   return options_.keep_order && !data_.isCompressed(accessor);
+}
+
+/// The same of indices that are not coded. Those of EXT_mesh_manifold are parts of one array, and stay together.
+bool DocumentPatcher::keepsIndices(const PrimitiveInfo& info) const {
+  return staysAsItIs(*info.indices) || (options_.keep_order && info.plain_indices);
 }
 
 /// Accessors that must keep their data: of animations, skins, instances, unknown extensions, of the primitives that are
@@ -81,15 +77,52 @@ std::set<std::uint64_t> DocumentPatcher::foreignAccessors(const std::vector<Code
     const PrimitiveInfo& info = survey_.primitives[i];
     const bool moves = moving.count(i) > 0;
     if (info.position && !moves) foreign.insert(*info.position);
-    if (info.indices && (!moves || (coded_triangles.count(i) == 0 && staysAsItIs(*info.indices)))) {
-      foreign.insert(*info.indices);
-    }
-    if (info.outline && (!moves || staysAsItIs(*info.outline))) foreign.insert(*info.outline);
+    const bool plain = coded_triangles.count(i) == 0 || info.plain_indices;
+    if (info.indices && (!moves || (plain && keepsIndices(info)))) foreign.insert(*info.indices);
     for (const AttributeUse& use : info.attributes) {
       if (!moves || staysAsItIs(use.accessor)) foreign.insert(use.accessor);
     }
   }
+  insertOrderAccessors(moving, foreign);
   return foreign;
+}
+
+/// Accessors that extensions of meshes and primitives name, where they are not rewritten. `moving`: the primitives
+/// whose vertices are packed.
+void DocumentPatcher::insertOrderAccessors(const std::set<std::size_t>& moving,
+                                           std::set<std::uint64_t>& foreign) const {
+  std::set<std::size_t> manifold_meshes;
+  const auto insert = [&](const std::optional<std::size_t>& accessor) {
+    if (accessor) foreign.insert(*accessor);
+  };
+  for (std::size_t i = 0; i < survey_.primitives.size(); ++i) {
+    const PrimitiveInfo& info = survey_.primitives[i];
+    const bool moves = moving.count(i) > 0;
+    if (moves && info.plain_indices) manifold_meshes.insert(info.mesh);
+    const Json& json = original_.document["meshes"][info.mesh]["primitives"][info.primitive];
+    if (!moves || (!info.outline && !info.edges)) {
+      foreign.merge(numbersOfOrderExtensions(json));
+      continue;
+    }
+    if (info.edges && (options_.keep_order || info.plain_indices)) {  // what goes by the order of triangles
+      insert(info.edges->visibility);
+      insert(info.edges->normals);
+    }
+    if (!options_.keep_order) continue;
+    insert(info.outline);
+    if (!info.edges) continue;
+    insert(info.edges->mates);
+    foreign.insert(info.edges->line_strings.begin(), info.edges->line_strings.end());
+  }
+  for (std::size_t m = 0; m < countOf(original_.document, "meshes"); ++m) {
+    if (manifold_meshes.count(m) == 0) foreign.merge(numbersOfOrderExtensions(original_.document["meshes"][m]));
+  }
+  for (const Manifold& manifold : survey_.manifolds) {
+    insert(manifold.merge_indices);
+    if (!options_.keep_order) continue;
+    foreign.insert(manifold.indices);
+    insert(manifold.merge_values);
+  }
 }
 
 void DocumentPatcher::patch(CodedGroup& coded) {
@@ -102,9 +135,18 @@ void DocumentPatcher::patch(CodedGroup& coded) {
     buffers_.bytes(order) = std::move(coded.order);
   }
   std::vector<std::uint64_t> views;
-  for (std::size_t i = 0; i < coded.decoded.size(); ++i) views.push_back(addOutput(coded, i, stream, order));
+  for (std::size_t i = 0; i < coded.decoded.size(); ++i) {
+    const bool needed = i < group.tables.size() || isNeeded(group.primitives[i - group.tables.size()]);
+    views.push_back(needed ? addOutput(coded, i, stream, order) : kNoView);
+  }
   for (std::size_t t = 0; t < group.tables.size(); ++t) patchTable(coded, t, views[t]);
   for (std::size_t p = 0; p < group.primitives.size(); ++p) patchIndices(coded, p, views[group.tables.size() + p]);
+}
+
+/// Whether some primitive takes its indices from the stream.
+bool DocumentPatcher::isNeeded(const CodedPrimitive& primitive) const {
+  return std::any_of(primitive.users.begin(), primitive.users.end(),
+                     [&](std::size_t user) { return !survey_.primitives[user].plain_indices; });
 }
 
 /// The view of decoded array `output`.
@@ -130,10 +172,10 @@ std::uint64_t DocumentPatcher::addOutput(const CodedGroup& coded, std::size_t ou
 /// Rewrites everything that lives in one table's index space, except the coded triangles.
 void DocumentPatcher::patchTable(const CodedGroup& coded, std::size_t t, std::uint64_t view) {
   const GroupTable& table = coded.group->tables[t];
-  TablePatch patch;
-  patch.order = coded.result.vertex_order[t];
-  if (options_.keep_order) std::iota(patch.order.begin(), patch.order.end(), 0U);
-  patch.new_index = inverse(patch.order);
+  IndexSpace space;
+  space.order = coded.result.vertex_order[t];
+  if (options_.keep_order) std::iota(space.order.begin(), space.order.end(), 0U);
+  space.new_index = inverse(space.order);
   std::set<std::size_t> coded_users;
   for (const CodedPrimitive& primitive : coded.group->primitives) {
     if (primitive.table == t) coded_users.insert(primitive.users.begin(), primitive.users.end());
@@ -145,19 +187,35 @@ void DocumentPatcher::patchTable(const CodedGroup& coded, std::size_t t, std::ui
     if (added) entry->second = patchPosition(*info.position, coded, t, view);
     primitiveJson(info)["attributes"]["POSITION"] = entry->second;
   }
+  for (const Manifold& manifold : survey_.manifolds) patchManifold(manifold, coded, t, view, positions, space);
   for (const std::size_t user : table.users) {
     const PrimitiveInfo& info = survey_.primitives[user];
     for (const AttributeUse& use : info.attributes) {
-      const std::size_t accessor = moveAttribute(use.accessor, patch);
+      const std::size_t accessor = moveAttribute(use.accessor, space);
       Json& json = primitiveJson(info);
       (use.target ? json["targets"][*use.target] : json["attributes"])[use.name] = accessor;
     }
-    if (coded_users.count(user) == 0) moveIndices(info, patch);
-    if (info.outline) {
-      const std::size_t accessor = moveIndexAccessor(*info.outline, patch);
-      primitiveJson(info)["extensions"]["CESIUM_primitive_outline"]["indices"] = accessor;
-    }
+    const bool plain = coded_users.count(user) == 0 || info.plain_indices;
+    if (plain) moveIndices(info, space);
+    if (!options_.keep_order) order_patcher_.patchVertices(info, space, plain);
   }
+}
+
+void DocumentPatcher::patchManifold(const Manifold& manifold, const CodedGroup& coded, std::size_t t,
+                                    std::uint64_t view, AccessorMap& positions, IndexSpace& space) {
+  std::vector<const PrimitiveInfo*> users;
+  for (const std::size_t user : coded.group->tables[t].users) {
+    const PrimitiveInfo& info = survey_.primitives[user];
+    if (info.mesh == manifold.mesh) users.push_back(&info);
+  }
+  if (users.empty()) return;
+  const auto [entry, added] = positions.emplace(manifold.position, 0);
+  if (added) entry->second = patchPosition(manifold.position, coded, t, view);
+  Json& extension = asset_.document["meshes"][manifold.mesh]["extensions"][std::string(kManifold)];
+  extension["manifoldPrimitive"]["attributes"]["POSITION"] = entry->second;
+  warnings_.push_back(meshLabel(original_.document, manifold.mesh) + ": the indices stay uncompressed, for " +
+                      std::string(kManifold) + " needs those of all primitives in one plain array");
+  if (!options_.keep_order) order_patcher_.patchManifold(manifold, users, space);
 }
 
 std::size_t DocumentPatcher::patchPosition(std::size_t old, const CodedGroup& coded, std::size_t t,
@@ -174,13 +232,13 @@ std::size_t DocumentPatcher::patchPosition(std::size_t old, const CodedGroup& co
   return position;
 }
 
-std::size_t DocumentPatcher::moveAttribute(std::size_t old, TablePatch& patch) {
+std::size_t DocumentPatcher::moveAttribute(std::size_t old, IndexSpace& space) {
   if (staysAsItIs(old)) return old;
-  const auto [entry, added] = patch.attributes.emplace(old, 0);
+  const auto [entry, added] = space.attributes.emplace(old, 0);
   if (!added) return entry->second;
   // Accessors over the same bytes share the moved ones too.
-  const auto [stored, first] = patch.stored.emplace(data_.canonical(old), 0);
-  if (first) stored->second = accessors_.reorder(old, patch.order);
+  const auto [stored, first] = space.stored.emplace(data_.canonical(old), 0);
+  if (first) stored->second = accessors_.reorder(old, space.order);
   entry->second = first ? stored->second : accessors_.follow(old, stored->second);
   return entry->second;
 }
@@ -190,43 +248,16 @@ Json& DocumentPatcher::primitiveJson(const PrimitiveInfo& info) {
 }
 
 /// Indices that are not coded (points, lines) follow the vertices to their new places.
-void DocumentPatcher::moveIndices(const PrimitiveInfo& info, TablePatch& patch) {
+void DocumentPatcher::moveIndices(const PrimitiveInfo& info, IndexSpace& space) {
   if (info.indices) {
-    const std::size_t accessor = moveIndexAccessor(*info.indices, patch);
+    if (keepsIndices(info)) return;
+    const std::size_t accessor = accessors_.renumber(*info.indices, space);
     primitiveJson(info)["indices"] = accessor;
   } else if (info.mode != kPoints && !options_.keep_order) {
     const std::size_t accessor = accessors_.add(Json::object());
-    accessors_.setIndices(accessor, patch.new_index, indexTypeFor(kGlUnsignedShort, patch.order.size()));
+    accessors_.setIndices(accessor, space.new_index, indexTypeFor(kGlUnsignedShort, space.order.size()));
     primitiveJson(info)["indices"] = accessor;
   }
-}
-
-std::size_t DocumentPatcher::moveIndexAccessor(std::size_t old, TablePatch& patch) {
-  if (staysAsItIs(old)) return old;
-  const auto [entry, added] = patch.indices.emplace(old, 0);
-  if (!added) return entry->second;
-  const AccessorInfo info = data_.accessor(old);
-  std::vector<std::uint32_t> indices = data_.indices(info);
-  for (std::uint32_t& index : indices) {
-    if (index >= patch.new_index.size()) {
-      failInvalid("/accessors/" + number(old),
-                  "found vertex index " + number(index) + ", expected one below " + number(patch.new_index.size()));
-    }
-    index = patch.new_index[index];
-  }
-  entry->second = accessors_.claim(old);
-  accessors_.setIndices(entry->second, indices, indexTypeFor(info.component_type, patch.order.size()));
-  updateIndexBounds(entry->second, indices);
-  return entry->second;
-}
-
-/// An index accessor may state its bounds; they move with the vertices.
-void DocumentPatcher::updateIndexBounds(std::size_t accessor, std::span<const std::uint32_t> indices) {
-  Json& json = accessors_.json(accessor);
-  if (indices.empty()) return;
-  const auto [low, high] = std::minmax_element(indices.begin(), indices.end());
-  if (json.contains("min")) json["min"] = Json::array({*low});
-  if (json.contains("max")) json["max"] = Json::array({*high});
 }
 
 void DocumentPatcher::patchIndices(const CodedGroup& coded, std::size_t p, std::uint64_t view) {
@@ -235,8 +266,11 @@ void DocumentPatcher::patchIndices(const CodedGroup& coded, std::size_t p, std::
   const std::vector<std::uint32_t> indices =
       readUnsigned(coded.decoded[output], componentSize(codecType(primitive.component_type)));
   AccessorMap patched;  // by the old accessor; all users without indices share one
+  std::vector<const PrimitiveInfo*> users;
   for (const std::size_t user : primitive.users) {
     const PrimitiveInfo& info = survey_.primitives[user];
+    if (info.plain_indices) continue;
+    users.push_back(&info);
     const auto [entry, added] = patched.emplace(info.indices.value_or(SIZE_MAX), 0);
     if (added) {
       entry->second = info.indices ? accessors_.claim(*info.indices) : accessors_.add(Json::object());
@@ -245,13 +279,16 @@ void DocumentPatcher::patchIndices(const CodedGroup& coded, std::size_t p, std::
       accessor["componentType"] = primitive.component_type;
       accessor["count"] = primitive.triangles.size();
       accessor["type"] = "SCALAR";
-      updateIndexBounds(entry->second, indices);
+      accessors_.updateIndexBounds(entry->second, indices);
     }
     Json& json = primitiveJson(info);
     json["indices"] = entry->second;
     if (json.contains("mode") && json["mode"] != kTriangles) json["mode"] = kTriangles;
     if (info.draco) eraseExtension(json, "KHR_draco_mesh_compression");
   }
+  if (options_.keep_order) return;
+  order_patcher_.patchTriangles(users, coded.result.triangle_order[p],
+                                inverse(coded.result.vertex_order[primitive.table]));
 }
 
 /// What is left of each old view: which accessors still use it, and which of its bytes.

@@ -15,6 +15,7 @@
 #include "codec_mesh.h"
 #include "data_access.h"
 #include "mesh_groups.h"
+#include "order_patcher.h"
 #include "tsc/gltf.h"
 
 namespace tsc {
@@ -38,17 +39,6 @@ class DocumentPatcher {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
-  using AccessorMap = std::map<std::size_t, std::size_t>;  ///< old accessor -> new
-
-  /// One vertex table while it is patched.
-  struct TablePatch {
-    std::vector<std::uint32_t> order;      ///< old vertex of each new one
-    std::vector<std::uint32_t> new_index;  ///< the inverse
-    AccessorMap attributes;
-    AccessorMap stored;  ///< by `DataAccess::canonical`
-    AccessorMap indices;
-  };
-
   /// What is left of an old view once the packed data has gone.
   struct ViewUse {
     std::vector<std::size_t> accessors;
@@ -62,13 +52,16 @@ class DocumentPatcher {
   void patchTable(const CodedGroup& coded, std::size_t table, std::uint64_t view);
   void patchIndices(const CodedGroup& coded, std::size_t primitive, std::uint64_t view);
   std::size_t patchPosition(std::size_t old, const CodedGroup& coded, std::size_t table, std::uint64_t view);
-  std::size_t moveAttribute(std::size_t old, TablePatch& patch);
-  void moveIndices(const PrimitiveInfo& info, TablePatch& patch);
-  std::size_t moveIndexAccessor(std::size_t old, TablePatch& patch);
-  void updateIndexBounds(std::size_t accessor, std::span<const std::uint32_t> indices);
+  std::size_t moveAttribute(std::size_t old, IndexSpace& space);
+  void moveIndices(const PrimitiveInfo& info, IndexSpace& space);
+  void patchManifold(const Manifold& manifold, const CodedGroup& coded, std::size_t table, std::uint64_t view,
+                     AccessorMap& positions, IndexSpace& space);
+  bool isNeeded(const CodedPrimitive& primitive) const;
   Json& primitiveJson(const PrimitiveInfo& info);
   bool staysAsItIs(std::size_t accessor) const;
+  bool keepsIndices(const PrimitiveInfo& info) const;
   std::set<std::uint64_t> foreignAccessors(const std::vector<CodedGroup>& coded) const;
+  void insertOrderAccessors(const std::set<std::size_t>& moving, std::set<std::uint64_t>& foreign) const;
 
   Asset& asset_;
   const Asset& original_;
@@ -77,6 +70,7 @@ class DocumentPatcher {
   const MeshSurvey& survey_;
   const PackOptions& options_;
   AccessorEditor accessors_;
+  OrderPatcher order_patcher_;
   std::vector<std::string> warnings_;
 };
 

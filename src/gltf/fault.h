@@ -2,6 +2,7 @@
 // thrown below it, into a value at the public boundary.
 #pragma once
 
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -25,6 +26,9 @@ class Fault : public std::exception {
   Failure failure_;
 };
 
+/// A number as messages print it.
+inline std::string number(std::uint64_t value) { return std::to_string(value); }
+
 /// Raises a failure about `place` (a JSON pointer, a byte offset or empty).
 [[noreturn]] inline void fail(FailureKind kind, std::string_view place, std::string_view message) {
   std::string text(place);
@@ -35,6 +39,12 @@ class Fault : public std::exception {
 
 [[noreturn]] inline void failInvalid(std::string_view place, std::string_view message) {
   fail(FailureKind::kInvalidInput, place, message);
+}
+
+/// Raises the failure of a stream. One of another version may well be right.
+[[noreturn]] inline void failStream(std::string_view place, const Error& error) {
+  const bool may_be_right = error.code == ErrorCode::kUnsupportedVersion;
+  fail(may_be_right ? FailureKind::kUnsupported : FailureKind::kInvalidInput, place, describe(error));
 }
 
 /// The value of an inner call, or its failure raised again.

@@ -36,8 +36,8 @@ template <class Create>
 int underFreeName(const fs::path& target, fs::path& temporary, const Create& create) {
   constexpr int kAttempts = 1000;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    temporary = target.parent_path() / ("." + target.filename().string() + "." + std::to_string(::getpid()) + "-" +
-                                        std::to_string(attempt) + ".part");
+    const std::string run = std::to_string(::getpid()) + '-' + std::to_string(attempt);
+    temporary = target.parent_path() / ('.' + target.filename().string() + '.' + run + ".part");
     const int result = create(temporary.c_str());
     if (result >= 0 || errno != EEXIST) return result;
   }
@@ -111,12 +111,19 @@ fs::path resolveUri(std::string_view uri, const fs::path& folder, bool allow_ext
     path = folder / fs::path(std::string(uri));
   }
   if (allow_external) return path;
-  const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder);
-  if (!isInside(fs::weakly_canonical(path), root)) {
+  // Made absolute first, for what does not exist stays relative otherwise.
+  const fs::path root = fs::weakly_canonical(fs::absolute(folder.empty() ? fs::path(".") : folder));
+  if (!isInside(fs::weakly_canonical(fs::absolute(path)), root)) {
     failInvalid(place, "found the URI \"" + std::string(uri.substr(0, 80)) + "\", which leads out of the folder " +
-                           root.string() + "; allow external files to follow it");
+                           root.string() + "; --allow-external follows it");
   }
   return path;
+}
+
+std::string lowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return extension;
 }
 
 Descriptor::~Descriptor() {

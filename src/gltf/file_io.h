@@ -19,6 +19,9 @@ namespace tsc {
 std::filesystem::path resolveUri(std::string_view uri, const std::filesystem::path& folder, bool allow_external,
                                  std::string_view place);
 
+/// The file name's extension in small letters: ".glb" of "A.GLB".
+std::string lowerExtension(const std::filesystem::path& path);
+
 /// A file descriptor, closed on every way out.
 class Descriptor {
  public:

@@ -12,10 +12,10 @@ namespace {
 /// Gives the bytes of an external buffer or raises a failure that names the place.
 using Opener = std::function<std::vector<std::byte>(std::string_view uri, std::string_view place)>;
 
-/// Buffers without bytes of their own are filled by decoding: ours, and meshopt's fallback buffers.
-bool isFallback(const Json& buffer) {
-  for (const std::string_view name :
-       {kExtensionName, std::string_view("EXT_meshopt_compression"), std::string_view("KHR_meshopt_compression")}) {
+/// Meshopt's fallback buffers hold what decoding gives as well, for readers that cannot decode. Nothing that can needs
+/// their bytes, and they may be missing.
+bool isMeshoptFallback(const Json& buffer) {
+  for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
     const Json* extension = findExtension(buffer, name);
     if (extension != nullptr && extension->is_object() && extension->value("fallback", Json(false)) == Json(true)) {
       return true;
@@ -36,11 +36,17 @@ Buffer loadBuffer(const JsonView& entry, std::size_t index, std::optional<std::s
       buffer.bytes = decodeDataUri(text, uri->pointer());
       origin = "data URI";
     } else {
+      try {
+        buffer.bytes = open(text, uri->pointer());
+      } catch (const Fault& fault) {
+        if (fault.failure().kind != FailureKind::kIo || !isMeshoptFallback(entry.json())) throw;
+        buffer.source = Buffer::Source::kPlaceholder;
+        return buffer;
+      }
       buffer.source = Buffer::Source::kFile;
-      buffer.bytes = open(text, uri->pointer());
       origin = text;
     }
-  } else if (index == 0 && bin && !isFallback(entry.json())) {
+  } else if (index == 0 && bin) {
     buffer.source = Buffer::Source::kGlbChunk;
     buffer.bytes.assign(bin->begin(), bin->end());
     origin = "BIN chunk";
@@ -71,6 +77,7 @@ void checkVersion(const Json& document) {
 }
 
 void loadContent(Asset& asset, std::span<const std::byte> bytes, const Opener& open) {
+  if (bytes.empty()) failInvalid("", "found nothing at all, expected a glTF document or a GLB file");
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::optional<std::span<const std::byte>> bin;
   if (isGlb(bytes)) {

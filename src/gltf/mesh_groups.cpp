@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <span>
 
-#include "compressed_input.h"
+#include "draco_reader.h"
 #include "fault.h"
 #include "references.h"
 
 namespace tsc {
 namespace {
-
-std::string number(std::uint64_t value) { return std::to_string(value); }
 
 std::optional<std::size_t> optionalIndex(const JsonView& holder, std::string_view key) {
   const auto member = holder.find(key);
@@ -23,16 +22,28 @@ std::optional<std::size_t> optionalIndex(const JsonView& holder, std::string_vie
 /// Extensions that name vertices or triangles by their order without a number that would show it.
 bool namesOrderSilently(std::string_view extension) { return extension == "FB_ngon_encoding"; }
 
-/// Why the order of a primitive's vertices or triangles must not change, as far as its extensions tell.
-std::string orderReason(const Json& holder) {
+enum class Holder { kMesh, kPrimitive };
+
+/// Whether an extension that can be rewritten stands where it has no meaning that could be.
+bool isMisplaced(std::string_view extension, Holder kind) {
+  if (extension == kManifold) return kind != Holder::kMesh;
+  return (extension == kOutline || extension == kEdgeVisibility) && kind != Holder::kPrimitive;
+}
+
+/// Why the order of a primitive's vertices or triangles must not change, as far as its extensions tell, those aside
+/// that can be rewritten.
+std::string orderReason(const Json& holder, Holder kind) {
   const auto extensions = holder.find("extensions");
   if (extensions == holder.end() || !extensions->is_object()) return {};
   for (const auto& [name, value] : extensions->items()) {
     Json alone = Json::object();
     alone["extensions"][name] = value;
-    const bool numbers = classify(name) == ExtensionClass::kUnknown && !unknownNumbers(alone).empty();
-    if (numbers || namesOrderSilently(name))
-      return "the extension " + name + " may name its vertices or triangles by index";
+    const bool numbers = !unknownNumbers(alone).empty();
+    if (numbers || namesOrderSilently(name) || isMisplaced(name, kind)) {
+      const bool nested = numbers && classify(name) != ExtensionClass::kUnknown;
+      return (nested ? "an extension inside " : "the extension ") + name +
+             " may name its vertices or triangles by index";
+    }
     if (name != "EXT_mesh_features" || !value.is_object() || !value.contains("featureIds")) continue;
     for (const Json& ids : value["featureIds"]) {
       const bool implicit = ids.is_object() && !ids.contains("attribute") && !ids.contains("texture");
@@ -63,75 +74,9 @@ PrimitiveInfo readPrimitive(const JsonView& json, std::size_t mesh, std::size_t 
     for (std::size_t i = 0; i < targets->size(); ++i) readAttributes(targets->at(i), i, info);
   }
   info.indices = optionalIndex(json, "indices");
-  info.keep_reason = orderReason(json.json());
-  if (const Json* outline = findExtension(json.json(), "CESIUM_primitive_outline")) {
-    info.outline =
-        optionalIndex(JsonView(*outline, json.pointer() + "/extensions/CESIUM_primitive_outline"), "indices");
-  }
+  info.keep_reason = orderReason(json.json(), Holder::kPrimitive);
   return info;
 }
-
-/// Decodes Draco primitives and puts what they hold in the place of their accessors' data.
-class DracoReader {
- public:
-  DracoReader(const Asset& asset, DataAccess& data) : asset_(asset), data_(data) {}
-
-  void read(const JsonView& primitive, PrimitiveInfo& info) {
-    const Json* extension = findExtension(primitive.json(), "KHR_draco_mesh_compression");
-    if (extension == nullptr) return;
-    info.draco = true;
-    // A decoder gives plain triangles, whatever the mode says.
-    info.mode = kTriangles;
-    if (hasPlainData(info)) return;
-    const JsonView json(*extension, primitive.pointer() + "/extensions/KHR_draco_mesh_compression");
-    const std::size_t view = json["bufferView"].asUint();
-    std::map<std::string, std::uint32_t> ids;
-    std::map<std::string, AccessorInfo> infos;
-    const JsonView attributes = json["attributes"];
-    for (const auto& [name, id] : attributes.asObject().items()) {
-      ids[name] = static_cast<std::uint32_t>(attributes[name].asUint(UINT32_MAX));
-      infos[name] = data_.accessor(primitive["attributes"][name].asUint());
-    }
-    DracoData decoded = decodeDraco(data_.viewBytes(view), ids, infos, json.pointer());
-    for (auto& [name, bytes] : decoded.attributes) {
-      claim(infos[name].index, view, json.pointer());
-      data_.overlay(infos[name].index, std::move(bytes), decoded.vertex_count);
-    }
-    if (!info.indices) fail(FailureKind::kUnsupported, primitive.pointer(), "a Draco primitive without indices");
-    const AccessorInfo indices = data_.accessor(*info.indices);
-    const std::uint64_t largest = (std::uint64_t{1} << (8 * indices.component_bytes)) - 1;
-    if (decoded.vertex_count > largest) {
-      failInvalid(json.pointer(),
-                  "found " + number(decoded.vertex_count) + " vertices, too many for the index accessor");
-    }
-    claim(indices.index, view, json.pointer());
-    data_.overlay(indices.index, writeUnsigned(decoded.indices, indices.component_bytes), decoded.indices.size());
-  }
-
- private:
-  /// Whether the accessors hold the same data without Draco: then it is exact, and nothing need be decoded.
-  bool hasPlainData(const PrimitiveInfo& info) const {
-    const auto is_plain = [&](std::size_t index) {
-      const AccessorInfo accessor = data_.accessor(index);
-      return accessor.view.has_value() || accessor.sparse;
-    };
-    const bool attributes = std::all_of(info.attributes.begin(), info.attributes.end(),
-                                        [&](const AttributeUse& use) { return is_plain(use.accessor); });
-    return attributes && info.position && is_plain(*info.position) && info.indices && is_plain(*info.indices) &&
-           !data_.hasOverlay(*info.position) && !data_.hasOverlay(*info.indices);
-  }
-
-  void claim(std::size_t accessor, std::size_t view, const std::string& place) {
-    const auto [entry, added] = owners_.emplace(accessor, view);
-    if (!added && entry->second != view) {
-      fail(FailureKind::kUnsupported, place, "accessor " + number(accessor) + " belongs to two Draco streams");
-    }
-  }
-
-  const Asset& asset_;
-  DataAccess& data_;
-  std::map<std::size_t, std::size_t> owners_;
-};
 
 /// Disjoint sets of small integers.
 class DisjointSets {
@@ -165,7 +110,7 @@ struct TableDraft {
 class Surveyor {
  public:
   Surveyor(const Asset& asset, DataAccess& data, bool order_kept)
-      : asset_(asset), data_(data), order_kept_(order_kept), draco_(asset, data) {}
+      : asset_(asset), data_(data), order_kept_(order_kept), draco_(data) {}
 
   MeshSurvey run() {
     readPrimitives();
@@ -179,7 +124,8 @@ class Surveyor {
     const std::size_t mesh_count = countOf(asset_.document, "meshes");
     for (std::size_t m = 0; m < mesh_count; ++m) {
       const JsonView mesh = elementOf(asset_.document, "meshes", m);
-      const std::string mesh_reason = orderReason(mesh.json());
+      const std::string mesh_reason = orderReason(mesh.json(), Holder::kMesh);
+      const std::size_t first = survey_.primitives.size();
       const JsonView primitives = mesh["primitives"];
       for (std::size_t p = 0; p < primitives.size(); ++p) {
         const JsonView json = primitives.at(p);
@@ -192,8 +138,50 @@ class Surveyor {
           if (fault.failure().kind != FailureKind::kUnsupported) throw;
           info.keep_reason = fault.failure().message;
         }
+        readOrderExtensions(json, info);
         survey_.primitives.push_back(std::move(info));
       }
+      readMeshManifold(mesh, m, std::span(survey_.primitives).subspan(first));
+    }
+  }
+
+  /// An extension that cannot be rewritten is no reason to keep the mesh where the order is kept anyway.
+  void keepFor(const Fault& fault, PrimitiveInfo& info) const {
+    if (!order_kept_ && info.keep_reason.empty()) info.keep_reason = fault.failure().message;
+  }
+
+  void readOrderExtensions(const JsonView& json, PrimitiveInfo& info) {
+    if (!info.position) return;
+    try {
+      const std::uint64_t vertices = data_.accessor(*info.position).count;
+      const std::uint64_t corners = info.indices ? data_.accessor(*info.indices).count : vertices;
+      const std::uint64_t triangles = info.mode == kTriangles ? corners / 3 : std::max<std::uint64_t>(corners, 2) - 2;
+      const PrimitiveSize size = {vertices, info.isTriangles() ? triangles : 0};
+      std::optional<std::size_t> outline = readOutline(json, size, data_);
+      info.edges = readEdgeVisibility(json, size, data_);
+      info.outline = outline;
+    } catch (const Fault& fault) {
+      keepFor(fault, info);
+    }
+  }
+
+  void readMeshManifold(const JsonView& mesh, std::size_t index, std::span<PrimitiveInfo> primitives) {
+    try {
+      const std::optional<Manifold> manifold = readManifold(mesh, index, data_);
+      if (!manifold) return;
+      for (const PrimitiveInfo& info : primitives) {
+        const bool fits = info.mode == kTriangles && info.indices && info.position && !info.draco &&
+                          data_.canonical(*info.position) == data_.canonical(manifold->position);
+        if (!fits) {
+          fail(FailureKind::kUnsupported, mesh.pointer() + "/primitives/" + number(info.primitive),
+               "found other than indexed triangles over the positions of " + std::string(kManifold) +
+                   ", expected those alone");
+        }
+      }
+      survey_.manifolds.push_back(*manifold);
+      for (PrimitiveInfo& info : primitives) info.plain_indices = true;
+    } catch (const Fault& fault) {
+      for (PrimitiveInfo& info : primitives) keepFor(fault, info);
     }
   }
 
@@ -298,10 +286,8 @@ class Surveyor {
 
   /// Indices keep their type; where the type's largest value would be needed, which glTF forbids, it grows.
   std::uint32_t indexType(const PrimitiveInfo& info, std::uint64_t vertex_count) const {
-    std::uint32_t type = info.indices ? data_.accessor(*info.indices).component_type : std::uint32_t{kGlUnsignedShort};
-    if (type == kGlUnsignedByte && vertex_count > UINT8_MAX) type = kGlUnsignedShort;
-    if (type == kGlUnsignedShort && vertex_count > UINT16_MAX) type = kGlUnsignedInt;
-    return type;
+    return indexTypeFor(info.indices ? data_.accessor(*info.indices).component_type : std::uint32_t{kGlUnsignedShort},
+                        vertex_count);
   }
 
   void addGroup(const std::vector<std::size_t>& tables, std::uint32_t component_type) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "data_access.h"
+#include "order_extensions.h"
 #include "tsc/gltf.h"
 
 namespace tsc {
@@ -44,9 +45,11 @@ struct PrimitiveInfo {
   std::optional<std::size_t> position;
   std::vector<AttributeUse> attributes;  ///< without the POSITION of the primitive itself
   std::optional<std::size_t> indices;
-  std::optional<std::size_t> outline;  ///< vertex indices of CESIUM_primitive_outline
-  std::string keep_reason;             ///< why its vertices must keep their order; empty if they need not
-  bool draco = false;                  ///< its accessors' data comes from a Draco stream
+  std::optional<std::size_t> outline;   ///< vertex indices of CESIUM_primitive_outline
+  std::optional<EdgeVisibility> edges;  ///< of EXT_mesh_primitive_edge_visibility
+  bool plain_indices = false;           ///< its triangles keep their order, for EXT_mesh_manifold
+  std::string keep_reason;              ///< why its vertices must keep their order; empty if they need not
+  bool draco = false;                   ///< its accessors' data comes from a Draco stream
 
   bool isTriangles() const { return mode >= kTriangles; }
 };
@@ -77,6 +80,7 @@ struct MeshGroup {
 
 struct MeshSurvey {
   std::vector<PrimitiveInfo> primitives;
+  std::vector<Manifold> manifolds;
   std::vector<MeshGroup> groups;
   std::vector<KeptReport> kept;
 };

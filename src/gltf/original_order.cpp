@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::size_t kChecksumBytes = 8;
 
-std::string number(std::uint64_t value) { return std::to_string(value); }
-
 std::uint64_t zigzag(std::int64_t value) {
   return value >= 0 ? 2 * static_cast<std::uint64_t>(value) : 2 * static_cast<std::uint64_t>(-value) - 1;
 }

@@ -97,7 +97,7 @@ Expected<PackReport> packAsset(Asset& asset, const PackOptions& options) {
     checkPackOptions(options);
     if (isPacked(asset)) {
       if (!options.repack) {
-        fail(FailureKind::kUsage, "", "the asset is packed already; ask for repacking, or unpack it first");
+        fail(FailureKind::kUsage, "", "the asset is packed already; --repack packs it again");
       }
       const std::string name = std::exchange(asset.name, {});
       Outcome unpacked = unpackAsset(asset);

@@ -12,7 +12,7 @@ namespace tsc {
 namespace {
 
 /// Extensions whose numbers are indices of materials, textures, images, lights, nodes or scenes, or plain values; or
-/// whose accessors and buffer views are found by the functions below.
+/// whose accessors and buffer views are found by the functions below and in order_extensions.h.
 constexpr std::array kIndependentNames = {
     std::string_view("ADOBE_materials_clearcoat_specular"),
     std::string_view("ADOBE_materials_clearcoat_tint"),
@@ -20,10 +20,13 @@ constexpr std::array kIndependentNames = {
     std::string_view("AGI_articulations"),
     std::string_view("AGI_stk_metadata"),
     std::string_view("CESIUM_RTC"),
+    std::string_view("CESIUM_primitive_outline"),
     std::string_view("EXT_instance_features"),
     std::string_view("EXT_lights_ies"),
     std::string_view("EXT_mesh_features"),
     std::string_view("EXT_mesh_gpu_instancing"),
+    std::string_view("EXT_mesh_manifold"),
+    std::string_view("EXT_mesh_primitive_edge_visibility"),
     std::string_view("EXT_meshopt_compression"),
     std::string_view("EXT_structural_metadata"),
     std::string_view("EXT_texture_astc"),

@@ -48,10 +48,7 @@ GlbContent gatherForGlb(const Asset& asset) {
   for (std::size_t i = 0; i < asset.buffers.size(); ++i) {
     if (belongsInGlb(asset, asset.buffers[i])) embedded.push_back(i);
   }
-  if (embedded.empty()) {
-    // A GLB without BIN chunk, unless buffer 0 would then be taken for the chunk that is missing.
-    return content;
-  }
+  if (embedded.empty()) return content;  // a GLB without BIN chunk
   Json& entries = content.document["buffers"];
   std::vector<BufferMove> moves(asset.buffers.size());
   Json new_entries = Json::array();
@@ -141,7 +138,7 @@ Json placeBuffers(const Asset& asset, const fs::path& path, bool force, FileBatc
   for (std::size_t i = 0; i < asset.buffers.size(); ++i) {
     const Buffer& buffer = asset.buffers[i];
     if (buffer.source == Source::kPlaceholder || isAtItsUri(buffer)) continue;
-    const std::string name = path.stem().string() + (files == 0 ? "" : "_" + std::to_string(files)) + ".bin";
+    const std::string name = path.stem().string() + (files == 0 ? std::string() : '_' + std::to_string(files)) + ".bin";
     ++files;
     document["buffers"][i]["uri"] = percentEncode(name);
     own_files.insert(percentEncode(name));
@@ -151,7 +148,7 @@ Json placeBuffers(const Asset& asset, const fs::path& path, bool force, FileBatc
 }
 
 void save(const Asset& asset, const fs::path& path, const SaveOptions& options) {
-  const std::string extension = path.extension().string();
+  const std::string extension = lowerExtension(path);
   FileBatch batch;
   std::set<std::string> own_files;
   if (extension == ".gltf") {

@@ -15,7 +15,7 @@ namespace {
 void unpackStream(const Asset& asset, const PackedStream& stream, std::uint64_t& budget, BufferEditor& buffers) {
   DataAccess data(asset);
   Result<std::vector<std::vector<std::byte>>> decoded = decode(data.viewBytes(stream.view), DecodeLimits{budget});
-  if (!decoded) failInvalid("/bufferViews/" + std::to_string(stream.view), describe(decoded.error()));
+  if (!decoded) failStream("/bufferViews/" + number(stream.view), decoded.error());
   for (const std::vector<std::byte>& output : *decoded) budget -= std::min<std::uint64_t>(budget, output.size());
   if (const auto order = stream.views.front().order) {
     restoreOriginalOrder(data.viewBytes(*order), stream.info.outputs, *decoded,

@@ -159,5 +159,35 @@ TEST(Files, BuffersOutsideTheFolderNeedPermission) {
   EXPECT_EQ(allowed.exit_code, 0) << allowed.err;
 }
 
+TEST(Files, NamesMayBeInCapitals) {
+  const Folder folder;
+  folder.write("in/A.GLB", readFile(sample("plane-17.5.glb")));
+  EXPECT_EQ(folder.run("pack in/A.GLB -o B.GLB").exit_code, 0);
+  EXPECT_TRUE(contains(folder.run("inspect B.GLB").out, ": packed,"));
+  EXPECT_TRUE(contains(folder.run("pack in --out-dir out").err, "1 asset: 1 packed")) << "found in a folder too";
+}
+
+TEST(Files, WhatIsMissingIsNotTakenForSomethingElse) {
+  const Folder folder;
+  folder.write("lost.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"gone.bin"}]})");
+  folder.write("out.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"../../etc/passwd"}]})");
+  folder.write("nothing.glb", "");
+  const auto expect = [&](const std::string& arguments, int exit_code, const std::string& text) {
+    const ProgramResult result = folder.run(arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << arguments;
+    EXPECT_TRUE(contains(result.err, text)) << arguments << "\n" << result.err;
+  };
+  expect("pack lost.gltf -o x.glb", 4, "cannot read gone.bin: No such file");
+  expect("pack out.gltf -o x.glb", 2, "leads out of the folder");
+  expect("pack nothing.glb -o x.glb", 2, "found nothing at all");
+  expect("pack '' -o x.glb", 1, "empty name");
+  expect("pack . -o x.glb", 1, "--out-dir FOLDER packs all");
+  expect("inspect .", 1, "found a folder");
+  expect("pack 'no/*.glb' --out-dir out", 1, "fits no file");
+  expect("squeeze lost.gltf", 1, "found 'squeeze', expected pack, unpack, inspect or compare");
+  expect("pack " + sample("plane-17.5.glb") + " -o x.glb --report ./x.glb --force", 1, "cannot take both");
+  EXPECT_FALSE(std::filesystem::exists(folder.path("x.glb")));
+}
+
 }  // namespace
 }  // namespace tsc::cli_test

@@ -36,6 +36,26 @@ TEST(PackMany, KeepsTheStructureOfAFolder) {
   EXPECT_TRUE(contains(result.err, "3 packed, 0 unchanged, 0 failed")) << result.err;
 }
 
+TEST(PackMany, ReportsWhatEachAssetLost) {
+  const Folder folder;
+  fillInputs(folder);
+  ASSERT_EQ(folder.run("pack in --out-dir out --report - --quiet").exit_code, 0);
+  const ProgramResult many = folder.run("pack in --out-dir again --report -");
+  ASSERT_EQ(many.exit_code, 0) << many.err;
+  for (const auto& line : lines(many.out)) {
+    const std::string input = line.at("input"), output = "single" + std::filesystem::path(input).extension().string();
+    const ProgramResult single = folder.run("pack " + input + " --force --report - -o " + output);
+    ASSERT_EQ(single.exit_code, 0) << single.err;
+    EXPECT_FALSE(line.at("distortion").is_null()) << input;
+    EXPECT_EQ(line.at("distortion"), nlohmann::json::parse(single.out).at("distortion")) << input;
+  }
+  // What has not changed is not packed, and so not measured.
+  for (const auto& line : lines(folder.run("pack in --out-dir out --report -").out)) {
+    EXPECT_EQ(line.at("status"), "unchanged");
+    EXPECT_FALSE(line.contains("distortion"));
+  }
+}
+
 TEST(PackMany, TakesPatternsAndFiles) {
   const Folder folder;
   fillInputs(folder);
@@ -60,6 +80,17 @@ TEST(PackMany, SkipsWhatHasNotChanged) {
   EXPECT_TRUE(contains(folder.run("pack in --out-dir out --position-bits 10 --force").err, "2 packed, 1 unchanged"));
 }
 
+TEST(PackMany, AChangedPictureIsAChange) {
+  const Folder folder;
+  folder.write("in/a.gltf", R"({"asset":{"version":"2.0"},"images":[{"uri":"a%20picture.png"}]})");
+  folder.write("in/a picture.png", "before");
+  ASSERT_EQ(folder.run("pack in --out-dir out").exit_code, 0);
+  EXPECT_TRUE(contains(folder.run("pack in --out-dir out").err, "1 unchanged"));
+  folder.write("in/a picture.png", "after");
+  EXPECT_TRUE(contains(folder.run("pack in --out-dir out --force").err, "1 packed, 0 unchanged"));
+  EXPECT_EQ(folder.read("out/a picture.png"), "after");
+}
+
 TEST(PackMany, OneFailureDoesNotStopTheOthers) {
   const Folder folder;
   fillInputs(folder);
@@ -80,8 +111,11 @@ TEST(PackMany, OneFailureDoesNotStopTheOthers) {
 TEST(PackMany, TheNumberOfJobsDoesNotChangeTheBytes) {
   const Folder folder;
   const std::string all = "pack '" GLTF_TSC_SAMPLES "' ";
-  ASSERT_EQ(folder.run(all + "--out-dir one -j 1").exit_code, 0);
-  ASSERT_EQ(folder.run(all + "--out-dir four -j 4").exit_code, 0);
+  ASSERT_EQ(folder.run(all + "--out-dir one -j 1 --report one.ndjson").exit_code, 0);
+  ASSERT_EQ(folder.run(all + "--out-dir four -j 4 --report four.ndjson").exit_code, 0);
+  const auto one = lines(folder.read("one.ndjson")), four = lines(folder.read("four.ndjson"));
+  ASSERT_EQ(one.size(), four.size());
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].at("distortion"), four[i].at("distortion")) << i;
   for (const std::string& name : folder.list()) {
     if (!name.starts_with("one/")) continue;
     EXPECT_EQ(folder.read(name), folder.read("four/" + name.substr(4))) << name;

@@ -74,6 +74,38 @@ TEST(CompressedInput, EveryModeDecodes) {
   }
 }
 
+TEST(CompressedInput, AMissingFallbackIsNotNeeded) {
+  const std::vector<float> xyz = gridPositions(8);
+  Asset asset = compressedAsset(encodedVertices(xyz), "ATTRIBUTES", 81, 12);
+  asset.document["buffers"][1]["uri"] = "gone.bin";
+  const Expected<std::vector<std::byte>> glb = writeGlb(asset);
+  ASSERT_TRUE(glb);
+  const Expected<Asset> loaded = loadAsset(*glb, "test");
+  ASSERT_TRUE(loaded) << loaded.failure().message;
+  EXPECT_EQ(decoded<float>(*loaded), xyz);
+  EXPECT_EQ(loaded->document, asset.document);
+  // Of a buffer that nothing decodes to, the file must be there.
+  asset.document["buffers"][1].erase("extensions");
+  const Expected<std::vector<std::byte>> plain = writeGlb(asset);
+  ASSERT_TRUE(plain);
+  const Expected<Asset> refused = loadAsset(*plain, "test");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.failure().kind, FailureKind::kIo);
+}
+
+TEST(CompressedInput, TheBinChunkIsBufferZeroWhateverItIsMarked) {
+  AssetBuilder builder;
+  builder.addView(std::vector<float>{1, 2, 3});
+  builder.document()["buffers"][0]["extensions"]["EXT_meshopt_compression"]["fallback"] = true;
+  const Asset asset = builder.build();
+  const Expected<std::vector<std::byte>> glb = writeGlb(asset);
+  ASSERT_TRUE(glb);
+  const Expected<Asset> loaded = loadAsset(*glb, "test");
+  ASSERT_TRUE(loaded) << loaded.failure().message;
+  EXPECT_EQ(loaded->buffers[0].bytes, asset.buffers[0].bytes);
+  EXPECT_EQ(*writeGlb(*loaded), *glb);
+}
+
 TEST(CompressedInput, FiltersAreApplied) {
   const std::vector<float> normals = {0, 0, 1, 0, 1, 0, 0, 0, 0, -1, 0, 0};
   std::vector<std::int8_t> filtered(12);

@@ -209,38 +209,6 @@ TEST(Pack, UnknownExtensionsThatMayNameVerticesKeepTheMesh) {
   }
 }
 
-TEST(Pack, OutlineIndicesFollow) {
-  Asset asset = gridAsset();
-  AssetBuilder builder;
-  asset.document["bufferViews"].push_back(
-      {{"buffer", 0}, {"byteOffset", asset.buffers[0].bytes.size()}, {"byteLength", 8}});
-  for (const std::uint16_t i : {3, 4, 4, 80}) {
-    asset.buffers[0].bytes.push_back(static_cast<std::byte>(i));
-    asset.buffers[0].bytes.push_back(std::byte{0});
-  }
-  asset.document["accessors"].push_back(
-      {{"bufferView", 4}, {"componentType", kGlUnsignedShort}, {"count", 4}, {"type", "SCALAR"}});
-  asset.document["meshes"][0]["primitives"][0]["extensions"]["CESIUM_primitive_outline"]["indices"] = 4;
-  addVertexIds(asset);
-  Asset packed = asset;
-  ASSERT_TRUE(packAsset(packed));
-  ASSERT_FALSE(unpackAsset(packed));
-  const auto outlineIds = [](const Asset& a) {
-    DataAccess data(a);
-    const Json& primitive = a.document["meshes"][0]["primitives"][0];
-    std::vector<std::uint32_t> ids;
-    const auto bytes = data.elements(data.accessor(primitive["attributes"]["_TEST_ID"]));
-    for (const std::uint32_t i :
-         data.indices(data.accessor(primitive["extensions"]["CESIUM_primitive_outline"]["indices"]))) {
-      float id;
-      std::memcpy(&id, bytes.data() + 4 * i, 4);
-      ids.push_back(static_cast<std::uint32_t>(id));
-    }
-    return ids;
-  };
-  EXPECT_EQ(outlineIds(asset), outlineIds(packed));
-}
-
 TEST(Pack, BadMeshesAreNamed) {
   Asset asset = gridAsset();
   asset.document["accessors"][3]["count"] = 99999;
@@ -272,32 +240,6 @@ TEST(Pack, PackedInputNeedsRepack) {
   const Expected<PackReport> repacked = packAsset(again, options);
   ASSERT_TRUE(repacked) << repacked.failure().message;
   EXPECT_LE(repacked->streams[0].max_error, repacked->streams[0].guaranteed_error);
-}
-
-TEST(Pack, RandomCutsStayWatertight) {
-  std::uint32_t state = 12345;
-  const auto random = [&](std::uint32_t n) { return (state = state * 1664525 + 1013904223) / 65536 % n; };
-  for (int round = 0; round < 200; ++round) {
-    AssetBuilder builder;
-    const std::size_t n = 3 + random(6);
-    const std::vector<float> xyz = gridPositions(n);
-    const std::vector<std::uint32_t> all = gridIndices(n);
-    const std::uint32_t parts = 1 + random(4);
-    Json primitives = Json::array();
-    for (std::uint32_t part = 0; part < parts; ++part) {
-      std::vector<std::uint32_t> indices;
-      for (std::size_t t = 0; t + 2 < all.size(); t += 3) {
-        if (part + 1 == parts || random(parts) == part)
-          indices.insert(indices.end(), all.begin() + static_cast<long>(t), all.begin() + static_cast<long>(t) + 3);
-      }
-      if (indices.empty()) continue;
-      primitives.push_back(
-          {{"attributes", {{"POSITION", builder.addPositions(xyz)}}}, {"indices", builder.addIndices16(indices)}});
-    }
-    builder.addMesh(primitives);
-    expectRoundTrip(builder.build());
-    if (HasFailure()) FAIL() << "round " << round;
-  }
 }
 
 }  // namespace
