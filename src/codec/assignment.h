@@ -42,6 +42,8 @@ struct AssignmentInput {
   std::vector<std::vector<std::uint32_t>> table_welded;  ///< per table: welded vertex of each input vertex
   std::vector<std::uint32_t> welded_position;  ///< per welded vertex: position number, kNone where the surface does not
                                                ///< have it; see numberPositions
+  /// Per welded vertex: unused vertices come in this order, next to each other those that lie near. By number if empty.
+  std::vector<std::uint64_t> welded_rank;
 };
 
 /// How the decoder's numbering maps to the input's.

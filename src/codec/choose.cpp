@@ -7,19 +7,25 @@
 namespace tsc {
 namespace {
 
-Trial tryPositions(const PositionInput& input, Header header, const PositionParameters& parameters) {
+/// Codes the first `count` positions.
+Trial tryPositions(const PositionInput& input, Header header, const PositionParameters& parameters,
+                   std::uint32_t count) {
   Trial trial;
   trial.parameters = parameters;
+  trial.position_count = std::min(count, input.map.position_count);
   header.positions = parameters;
   const std::vector<glm::dvec3> targets = targetsOf(input.welded_positions, input.position_welded, header);
-  encodePositions(input.surface, input.map, parameters, targets, trial.writer, trial.decoded);
+  const double squares =
+      encodePositions(input.surface, input.map, parameters, targets, trial.writer, trial.decoded, count);
   trial.bits = trial.writer.bitsSince(0);
-  const double scale = std::ldexp(1.0, -parameters.fine_bits);
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    const glm::dvec3 error = (targets[i] - glm::dvec3(trial.decoded[i])) * scale;
-    trial.squared_error += glm::dot(error, error);
-  }
+  trial.squared_error = std::ldexp(squares, -2 * parameters.fine_bits);
   return trial;
+}
+
+/// So many positions tell which way is the cheapest.
+std::uint32_t sampleSize(std::uint32_t position_count) {
+  constexpr std::uint32_t kLeast = 8192;
+  return std::max(kLeast, position_count / 4);
 }
 
 /// What is worth trying when the caller leaves a choice open.
@@ -48,25 +54,27 @@ std::vector<PositionParameters> candidatesFor(const Header& header, const Encode
     };
     if (std::none_of(candidates.begin(), candidates.end(), same)) candidates.push_back(p);
   };
+  if (options.effort == Effort::kMax) {
+    // Hits are among what is mixed, and need no flag.
+    add(Mode::kLattice, Basis::kGate, Predictor::kAverage, Order::kTraversal, false);
+    add(Mode::kTangent, Basis::kGate, Predictor::kAdaptive, Order::kTraversal, false);
+    add(Mode::kLattice, Basis::kGate, Predictor::kAdaptive, Order::kTraversal, false);
+    add(Mode::kLattice, Basis::kGate, Predictor::kAverage, Order::kDegree, false);
+    add(Mode::kTangent, Basis::kGate, Predictor::kAdaptive, Order::kDegree, false);
+    if (options.predictor != Predictor::kAuto) {
+      add(Mode::kTangent, Basis::kTip, options.predictor, Order::kTraversal, false);
+    }
+    return candidates;
+  }
   add(Mode::kLattice, Basis::kGate, Predictor::kAverage, Order::kTraversal, true);
   add(Mode::kTangent, Basis::kGate, Predictor::kAdaptive, Order::kTraversal, false);
   add(Mode::kTangent, Basis::kGate, Predictor::kAverage, Order::kTraversal, true);
   add(Mode::kLattice, Basis::kGate, Predictor::kAdaptive, Order::kTraversal, false);
+  add(Mode::kTangent, Basis::kGate, Predictor::kParallelogram, Order::kTraversal, true);
   if (options.predictor != Predictor::kAuto) {
     // With a predictor given, the basis is what is left to choose, as in the paper.
     add(Mode::kTangent, Basis::kTip, options.predictor, Order::kTraversal, false);
     add(Mode::kTangent, Basis::kTip, options.predictor, Order::kTraversal, true);
-  }
-  if (options.effort == Effort::kMax) {
-    for (const Order order : {Order::kTraversal, Order::kDegree}) {
-      for (const Predictor predictor : {Predictor::kAverage, Predictor::kAdaptive}) {
-        for (const bool hits : {false, true}) {
-          add(Mode::kLattice, Basis::kGate, predictor, order, hits);
-          add(Mode::kTangent, Basis::kGate, predictor, order, hits);
-          add(Mode::kTangent, Basis::kTip, predictor, order, hits);
-        }
-      }
-    }
   }
   return candidates;
 }
@@ -74,14 +82,15 @@ std::vector<PositionParameters> candidatesFor(const Header& header, const Encode
 }  // namespace
 
 Trial bestPositions(const PositionInput& input, const Header& header, const EncodeOptions& options, const Box& box) {
-  Trial best;
-  bool first = true;
-  for (const PositionParameters& candidate : candidatesFor(header, options, box)) {
-    Trial trial = tryPositions(input, header, candidate);
-    if (first || trial.cost() < best.cost()) best = std::move(trial);
-    first = false;
+  const std::vector<PositionParameters> candidates = candidatesFor(header, options, box);
+  const std::uint32_t sample = candidates.size() > 1 ? sampleSize(input.map.position_count) : kNone;
+  Trial best = tryPositions(input, header, candidates[0], sample);
+  for (std::size_t i = 1; i < candidates.size(); ++i) {
+    Trial trial = tryPositions(input, header, candidates[i], sample);
+    if (trial.cost() < best.cost()) best = std::move(trial);
   }
-  return best;
+  if (best.position_count == input.map.position_count) return best;
+  return tryPositions(input, header, best.parameters, kNone);
 }
 
 }  // namespace tsc

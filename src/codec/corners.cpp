@@ -41,6 +41,20 @@ struct FanCorner {
   std::uint32_t bend;  ///< of the surface at that edge, 0..3
 };
 
+/// `v` with its largest component scaled by a power of two to `bits` bits; right shifts round down.
+WideVec3 scaledTo(const WideVec3& v, int bits) {
+  const int shift = bits - magnitudeBits(v);
+  if (shift >= 0) return v * (std::int64_t{1} << shift);
+  return {v.x >> -shift, v.y >> -shift, v.z >> -shift};
+}
+
+/// `v` shifted right until no component needs more than kEdgeBits bits.
+WideVec3 limited(const glm::ivec3& v) {
+  constexpr int kEdgeBits = 24;
+  const WideVec3 wide(v);
+  return magnitudeBits(wide) <= kEdgeBits ? wide : scaledTo(wide, kEdgeBits);
+}
+
 enum EdgeState : std::uint32_t { kUnknown, kSmooth, kSeam };
 enum StartKind : std::uint32_t { kAfterBoundary, kAfterSeam, kAnywhere };
 

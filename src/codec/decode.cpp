@@ -17,10 +17,12 @@ Status decodePayload(const Header& header, EntropyReader& reader, Assignment& as
   if (Status s = decodeConnectivity(reader, header.surface_face_count, header.surface_vertex_count, surface)) return s;
   PositionMap map;
   if (Status s = decodeReferences(surface, header.has_references, reader, map)) return s;
-  if (Status s = decodePositions(surface, map, header.positions, reader, positions)) return s;
+  const bool edges_end_here = header.counts.one_vertex_per_position && header.counts.primitive_face_count.size() == 1;
+  if (Status s = decodePositions(surface, map, header.positions, edges_end_here, reader, positions)) return s;
   if (Status s = decodeAssignment(surface, map, positions, header.counts, reader, assignment)) return s;
   positions.resize(assignment.position_count);
-  return decodeExtraPositions(reader, std::span(positions).subspan(map.position_count));
+  return decodeExtraPositions(reader, extraPositionBits(header.positions),
+                              std::span(positions).subspan(map.position_count));
 }
 
 Status checkOutputs(std::span<const OutputInfo> infos, std::span<const std::span<std::byte>> outputs) {
@@ -66,11 +68,10 @@ Status decodeStream(std::span<const std::byte> stream, const DecodeLimits& limit
     s->byte_offset = stream.size();
     return s;
   }
-  const std::uint64_t expected = kCoderStateMin + checksumOf(stream.first(header_size), outputs);
-  if (reader.state() != expected) {
-    return Error{ErrorCode::kChecksumMismatch, "checksum", stream.size(),
-                 static_cast<std::int64_t>(reader.state() - kCoderStateMin),
-                 static_cast<std::int64_t>(expected - kCoderStateMin)};
+  const std::uint32_t expected = checksumOf(stream.first(header_size), outputs);
+  if (reader.states() != finalStates(expected)) {
+    const std::uint32_t found = (reader.states()[0] - kCoderStateMin) | (reader.states()[1] - kCoderStateMin) << 16;
+    return Error{ErrorCode::kChecksumMismatch, "checksum", stream.size(), found, expected};
   }
   return {};
 }

@@ -32,6 +32,11 @@ struct Writing {
     writer.putRaw(value, count);
     return value;
   }
+  /// A bit that is 1 with probability `one` / 2^15, 0 < one < 2^15.
+  bool chance(std::uint32_t one, bool value) {
+    writer.put(value ? 0 : one, value ? one : kProbabilityOne - one);
+    return value;
+  }
   bool overrun() const { return false; }
   std::size_t position() const { return 0; }
   std::size_t remaining() const { return std::size_t{1} << 40; }
@@ -45,10 +50,48 @@ struct Reading {
   std::uint32_t symbol(SymbolModel& model, std::uint32_t) { return model.get(reader); }
   std::uint32_t integer(IntegerModel& model, std::uint32_t) { return model.get(reader); }
   std::uint32_t raw(std::uint32_t, int count) { return reader.getRaw(count); }
+  bool chance(std::uint32_t one, bool) {
+    const bool value = reader.peek() < one;
+    reader.advance(value ? 0 : one, value ? one : kProbabilityOne - one);
+    return value;
+  }
   bool overrun() const { return reader.overrun(); }
   std::size_t position() const { return reader.position(); }
   /// Bytes that the reader has not read yet.
   std::size_t remaining() const { return reader.remaining(); }
+};
+
+/// A direction whose reader is a copy of its own, for the loop that all depends on: the compiler can keep it in
+/// registers, as long as nothing but inlined code sees it. `from` and `to` move it in and out around all other code.
+template <class Direction>
+struct Hot;
+
+template <>
+struct Hot<Writing> {
+  static constexpr bool kWrites = true;
+  EntropyWriter& writer;
+  explicit Hot(Writing& direction) : writer(direction.writer) {}
+  bool bit(BitModel& model, bool value) {
+    model.put(writer, value);
+    return value;
+  }
+  void from(const Writing&) {}
+  void to(Writing&) const {}
+  std::uint64_t longRaw(std::uint64_t value, int count) {
+    writer.putLongRaw(value, count);
+    return value;
+  }
+};
+
+template <>
+struct Hot<Reading> {
+  static constexpr bool kWrites = false;
+  EntropyReader reader;
+  explicit Hot(Reading& direction) : reader(direction.reader) {}
+  bool bit(BitModel& model, bool) { return model.get(reader); }
+  void from(const Reading& direction) { reader = direction.reader; }
+  void to(Reading& direction) const { direction.reader = reader; }
+  std::uint64_t longRaw(std::uint64_t, int count) { return reader.getLongRaw(count); }
 };
 
 }  // namespace tsc

@@ -106,6 +106,43 @@ std::uint32_t inputCorner(const Prepared& prepared, std::uint32_t face, std::uin
   return 3 * prepared.face_input[face] + (prepared.face_rotation[face] + corner) % 3;
 }
 
+/// Where a point lies on Hilbert's curve, by 21 bits of each coordinate (Skilling, Programming the Hilbert Curve,
+/// 2004).
+std::uint64_t hilbertRank(glm::uvec3 x) {
+  constexpr int kBits = 21;
+  for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) {
+    for (int a = 0; a < 3; ++a) {
+      if (x[a] & q) {
+        x[0] ^= q - 1;
+      } else {
+        const std::uint32_t swapped = (x[0] ^ x[a]) & (q - 1);
+        x[0] ^= swapped;
+        x[a] ^= swapped;
+      }
+    }
+  }
+  x[1] ^= x[0];
+  x[2] ^= x[1];
+  std::uint32_t turned = 0;
+  for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) turned ^= x[2] & q ? q - 1 : 0;
+  std::uint64_t rank = 0;
+  for (int bit = kBits - 1; bit >= 0; --bit) {
+    for (int a = 0; a < 3; ++a) rank = rank << 1 | ((x[a] ^ turned) >> bit & 1);
+  }
+  return rank;
+}
+
+std::vector<std::uint64_t> curveRanks(std::span<const float> positions, const Box& box) {
+  const double extent = box.extent();
+  const double scale = extent > 0 ? (std::ldexp(1.0, 21) - 1) / extent : 0;
+  std::vector<std::uint64_t> ranks(positions.size() / 3);
+  for (std::size_t i = 0; i < ranks.size(); ++i) {
+    const glm::dvec3 position(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
+    ranks[i] = hilbertRank(glm::uvec3((position - box.lower) * scale));
+  }
+  return ranks;
+}
+
 Prepared prepare(const Mesh& mesh, EntropyWriter& writer) {
   Prepared p;
   p.welded = weld(mesh);
@@ -120,6 +157,9 @@ Prepared prepare(const Mesh& mesh, EntropyWriter& writer) {
   for (std::uint32_t w = 0; w < welded_count; ++w) {
     if (p.assignment.welded_position[w] != kNone) p.position_welded[p.assignment.welded_position[w]] = w;
   }
+
+  // Only unused vertices need ranks.
+  if (p.map.position_count < welded_count) p.assignment.welded_rank = curveRanks(p.welded.mesh.positions, boxOf(mesh));
 
   std::vector<std::uint32_t> face_primitive;  // of each input face
   std::vector<std::uint32_t> corner_index;    // table vertex of each input corner
@@ -180,6 +220,9 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
   EntropyWriter writer;
   Prepared prepared = prepare(mesh, writer);
   result.bits.connectivity = writer.bitsSince(0);
+  if (prepared.surface.faceCount() >= kMaxSurfaceFaces) {
+    return bad("faces, those that close holes included", prepared.surface.faceCount(), kMaxSurfaceFaces);
+  }
 
   std::size_t mark = writer.mark();
   std::uint32_t real_vertices = 0;
@@ -206,7 +249,8 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
   mark = writer.mark();
   std::vector<Vec3> positions = std::move(best.decoded);
   positions.resize(assignment.position_count);
-  encodeExtraPositions(targetsOf(prepared.welded.mesh.positions, order.extra_positions, header), writer,
+  encodeExtraPositions(targetsOf(prepared.welded.mesh.positions, order.extra_positions, header),
+                       extraPositionBits(header.positions), writer,
                        std::span(positions).subspan(prepared.map.position_count));
   result.bits.side_faces = writer.bitsSince(mark);
 

@@ -79,13 +79,14 @@ double guaranteedError(const Mesh& mesh, const EncodeOptions& options) {
   const double lattice = step * std::sqrt(0.75);  // half a cell's diagonal
   if (options.mode == Mode::kLattice || !fitsTangentMode(box, step)) return lattice + 2 * rounding;
   // In tangent mode each component is off by half its step and by the rounding to the fine lattice, seen along its
-  // axis; the frame's distance from orthonormality adds less than 2^-10 of that.
+  // axis. The first two axes are of length 1 to 2^-8, so the third, their product, is to 2^-7; with what the three lack
+  // in being orthogonal that adds less than 2^-6.
   const double fine = std::ldexp(step, -kFineBits);
   const double normal_step = fine * std::max(std::floor(std::ldexp(1.0, kFineBits) / options.normal_scale), 1.0);
   const double slack = fine * std::sqrt(0.75);
   const double tangential = step / 2 + slack;
   const double normal = normal_step / 2 + slack;
-  const double tangent = std::sqrt(2 * tangential * tangential + normal * normal) * (1 + std::ldexp(1.0, -10));
+  const double tangent = std::sqrt(2 * tangential * tangential + normal * normal) * (1 + std::ldexp(1.0, -6));
   return (options.mode == Mode::kTangent ? tangent : std::max(tangent, lattice)) + 2 * rounding;
 }
 

@@ -3,9 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "references.h"
 #include "surface.h"
+#include "tsc/codec.h"
 
 namespace tsc {
 
@@ -65,6 +68,42 @@ void visitByDegree(const Surface& surface, Visit&& visit) {
       d = kCap;
     }
   }
+}
+
+/// When each position is coded.
+struct CodingOrder {
+  std::span<const std::uint32_t> corner_time;  ///< for each corner: of the position there; kNone for dummies
+  std::vector<std::uint32_t> position;         ///< position number by time; empty where they are the same
+  std::vector<std::uint32_t> storage;          ///< of `corner_time`, where vertices are not numbered by time already
+};
+
+inline CodingOrder codingOrder(const Surface& surface, const PositionMap& map, Order order) {
+  CodingOrder result;
+  std::vector<std::uint32_t> time_of_vertex;
+  if (order == Order::kDegree) {
+    std::vector<std::uint32_t> time(map.position_count, kNone);
+    result.position.reserve(map.position_count);
+    visitByDegree(surface, [&](std::uint32_t v) {
+      const std::uint32_t position = map.vertex_position[v];
+      if (time[position] != kNone) return true;
+      time[position] = static_cast<std::uint32_t>(result.position.size());
+      result.position.push_back(position);
+      return true;
+    });
+    time_of_vertex.assign(surface.vertexCount(), kNone);
+    for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
+      if (!surface.is_dummy[v]) time_of_vertex[v] = time[map.vertex_position[v]];
+    }
+  }
+  if (order == Order::kTraversal && map.position_count == surface.vertexCount()) {
+    result.corner_time = surface.corner_vertex;
+    return result;
+  }
+  const std::vector<std::uint32_t>& times = order == Order::kDegree ? time_of_vertex : map.vertex_position;
+  result.storage.reserve(surface.corner_vertex.size());
+  for (const std::uint32_t vertex : surface.corner_vertex) result.storage.push_back(times[vertex]);
+  result.corner_time = result.storage;
+  return result;
 }
 
 }  // namespace tsc

@@ -1,8 +1,11 @@
 #include "positions.h"
 
 #include "adaptive_offset.h"
+#include "arc.h"
 #include "direction.h"
 #include "format.h"
+#include "mixed_features.h"
+#include "mixed_residuals.h"
 #include "order.h"
 #include "predict.h"
 #include "residual_coder.h"
@@ -12,37 +15,32 @@
 namespace tsc {
 namespace {
 
-constexpr int kDisplacementBits = 28;
-constexpr std::int64_t kMaxDisagreement = std::int64_t{1} << 21;
-
 /// What a vertex is predicted from.
 struct Prediction {
-  Stencils stencils;
-  std::array<Vec3, kMaxStencils> candidates{};  ///< parallelograms
-  Vec3 mean{0};                                 ///< their average
-  Vec3 point{0};                                ///< the chosen predictor's, before the adaptive offset
+  int count_class = 0;                ///< complete parallelograms, up to kCountClasses, less one
+  std::array<const VertexState*, 6> around{};  ///< left, right and base of the first two parallelograms
+  std::array<Integers, kMaxStencils> candidates;  ///< parallelograms
+  Integers mean;                                  ///< their average
+  Integers point;                                 ///< the chosen predictor's, before the adaptive offset
+  Integers magnitude;                             ///< sum over six neighbours
   Frame frame;
-  std::array<std::int64_t, 3> offset{};  ///< adaptive offset, local
+  LocalSurrounding surrounding;
+  Integers offset{};  ///< adaptive offset, local
+
+  // The gate is the first parallelogram's.
+  const VertexState* left() const { return around[0]; }
+  const VertexState* right() const { return around[1]; }
+  const VertexState* base() const { return around[2]; }
 };
 
-int countClass(const Stencils& stencils) { return std::min(stencils.count, kCountClasses) - 1; }
+Integers clampedToLattice(Integers v) { return bounded(v, kCoordinateLimit); }
+Vec3 clampedToLattice(const Vec3& v) { return glm::clamp(v, Vec3(-kCoordinateLimit), Vec3(kCoordinateLimit)); }
 
-/// Whether all components lie in [-2^bits, 2^bits): the test that spares nearly every vertex its clamps.
-template <class Vector>
-bool within(const Vector& v, int bits) {
-  using Scalar = typename Vector::value_type;
-  const Scalar half = Scalar{1} << bits;
-  return (((v.x + half) | (v.y + half) | (v.z + half)) >> (bits + 1)) == 0;
-}
-
-Vec3 clampedToLattice(const Vec3& v) {
-  if (within(v, kMaxLatticeBits)) [[likely]]
-    return v;
-  return glm::clamp(v, Vec3(-kCoordinateLimit), Vec3(kCoordinateLimit));
-}
-
-std::uint32_t magnitudeSum(const std::vector<VertexState>& states, const Stencil& s, int a) {
-  return std::uint32_t{states[s.left].magnitude[a]} + states[s.right].magnitude[a] + states[s.base].magnitude[a];
+/// floor(log2) of each component's step.
+std::array<int, 3> stepBits(const PositionParameters& p) {
+  const int fine = p.fine_bits;
+  const int normal = p.mode == Mode::kTangent ? (1 << fine) / static_cast<int>(p.normal_scale) : 1 << fine;
+  return {static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(normal, 1)))) - 1, fine, fine};
 }
 
 template <class Direction>
@@ -52,253 +50,301 @@ class PositionCoder {
                 const PositionParameters& parameters)
       : direction_(direction),
         surface_(surface),
-        map_(map),
+        position_count_(map.position_count),
         parameters_(parameters),
-        states_(surface.vertexCount()),
-        known_(surface.vertexCount()),
-        residuals_(direction, parameters.exact_hits, parameters.effort) {
-    step_ = {1 << parameters.fine_bits, 1 << parameters.fine_bits, 1 << parameters.fine_bits};
-    if (parameters.mode == Mode::kTangent)
-      step_[0] = std::max<int>(step_[0] / static_cast<int>(parameters.normal_scale), 1);
-    for (int a = 0; a < 3; ++a) {
-      sixteenths_[a] = (16u << 12) / static_cast<std::uint32_t>(step_[a]);
-      half_reciprocals_[a] = (std::uint64_t{1} << 31) / static_cast<std::uint64_t>(step_[a]);
+        tangent_(parameters.mode == Mode::kTangent),
+        adaptive_(parameters.predictor == Predictor::kAdaptive),
+        exact_hits_(parameters.exact_hits),
+        order_(codingOrder(surface, map, parameters.order)),
+        states_(map.position_count),
+        residuals_(direction, parameters.exact_hits, stepBits(parameters)) {
+    const int fine = 1 << parameters.fine_bits;
+    step_ = {fine, fine, fine};
+    if (tangent_) step_[0] = std::max<int>(fine / static_cast<int>(parameters.normal_scale), 1);
+    if (parameters.effort == Effort::kMax) {
+      mixed_ = std::make_unique<MixedResiduals<Direction>>(
+          direction, ResidualSteps(step_, parameters.fine_bits, !tangent_), adaptive_);
     }
+    for (int a = 0; a < 3; ++a) step_bits_[a] = static_cast<int>(std::bit_width(static_cast<unsigned>(step_[a]))) - 1;
   }
 
-  /// Codes every position once, at the vertex of it that comes first in the order.
-  void run(std::span<const glm::dvec3> target, std::vector<Vec3>& decoded) {
-    decoded.resize(map_.position_count);
-    const bool repeats = map_.position_count < realVertexCount();
-    if (repeats) linkRepeats();
-    const auto code = [&](std::uint32_t v) {
-      if (known_[v]) return !direction_.overrun();
-      const std::uint32_t position = map_.vertex_position[v];
-      codeVertex(v, Direction::kWrites ? target[position] : glm::dvec3(0));
-      decoded[position] = states_[v].position;
-      if (repeats) spread(v);
-      return !direction_.overrun();
-    };
-    if (parameters_.order == Order::kTraversal) {
-      for (std::uint32_t v = 0; v < surface_.vertexCount(); ++v) {
-        if (!surface_.is_dummy[v] && !code(v)) return;
+  /// Codes the first `count` positions in the order of coding. Returns the sum of squared errors when writing.
+  double run(std::span<const glm::dvec3> target, std::uint32_t count) {
+    collectStencils(surface_, order_.corner_time, count, states_);
+    double squared_error = 0;
+    Hot<Direction> coder(direction_);
+    for (std::uint32_t time = 0; time < std::min(position_count_, count); ++time) {
+      if (time % kOverrunInterval == 0) {
+        coder.to(direction_);
+        if (direction_.overrun()) break;
       }
-    } else {
-      visitByDegree(surface_, code);
+      const glm::dvec3 wanted = Direction::kWrites ? target[positionAt(time)] : glm::dvec3(0);
+      codeVertex(coder, time, wanted);
+      if constexpr (Direction::kWrites) {
+        const glm::dvec3 error = wanted - glm::dvec3(vectorOf(states_[time].point));
+        squared_error += glm::dot(error, error);
+      }
     }
+    coder.to(direction_);
+    return squared_error;
+  }
+
+  /// What the decoder has, by position number.
+  std::vector<Vec3> decoded() const {
+    std::vector<Vec3> positions(position_count_);
+    for (std::uint32_t time = 0; time < position_count_; ++time) {
+      positions[positionAt(time)] = vectorOf(states_[time].point);
+    }
+    return positions;
   }
 
  private:
-  std::uint32_t realVertexCount() const {
-    std::uint32_t count = 0;
-    for (const std::uint8_t dummy : surface_.is_dummy) count += !dummy;
-    return count;
+  static constexpr std::uint32_t kOverrunInterval = 1024;
+
+  std::uint32_t positionAt(std::uint32_t time) const {
+    return order_.position.empty() ? time : order_.position[time];
   }
 
-  /// Rings of the vertices that share a position.
-  void linkRepeats() {
-    next_repeat_.resize(surface_.vertexCount());
-    std::vector<std::uint32_t> last(map_.position_count, kNone);
-    for (std::uint32_t v = 0; v < surface_.vertexCount(); ++v) {
-      next_repeat_[v] = v;
-      if (surface_.is_dummy[v]) continue;
-      std::uint32_t& tail = last[map_.vertex_position[v]];
-      if (tail != kNone) std::swap(next_repeat_[v], next_repeat_[tail]);
-      tail = v;
-    }
-  }
-
-  void spread(std::uint32_t v) {
-    for (std::uint32_t other = next_repeat_[v]; other != v; other = next_repeat_[other]) {
-      states_[other] = states_[v];
-      known_[other] = 1;
-    }
-  }
-
-  void codeVertex(std::uint32_t v, const glm::dvec3& target) {
-    Prediction p;
-    p.stencils = stencilsAt(surface_, known_, v);
-    VertexState& state = states_[v];
-    if (p.stencils.count == 0) {
-      codeFree(state, p.stencils.neighbour, target);
+  TSC_ALWAYS_INLINE void codeVertex(Hot<Direction>& coder, std::uint32_t time, const glm::dvec3& target) {
+    VertexState& state = states_[time];
+    const Stencils stencils = stencilsOf(state);
+    if (stencils.count == 0 || mixed_) [[unlikely]] {
+      coder.to(direction_);
+      if (stencils.count == 0) {
+        codeFree(time, stencils, target);
+      } else {
+        codeMixed(time, stencils, target);
+      }
+      coder.from(direction_);
     } else {
-      predict(p);
-      codeResiduals(v, p, target);
+      Prediction p;
+      predict(time, stencils, p);
+      codeResiduals(coder, state, stencils.valence, (time & 3), p, target);
     }
-    state.valence = p.stencils.valence;
-    known_[v] = 1;
-    last_ = state.position;
   }
 
   /// A vertex without a complete parallelogram, the first triangle of a component above all: exact to the fine lattice.
-  void codeFree(VertexState& state, std::uint32_t neighbour, const glm::dvec3& target) {
-    const Vec3 origin = neighbour == kNone ? last_ : states_[neighbour].position;
+  [[gnu::noinline]] void codeFree(std::uint32_t time, const Stencils& stencils, const glm::dvec3& target) {
+    std::uint32_t origin_time = time - 1;
+    if (stencils.corner[0] != kNone) {
+      origin_time = parallelogramAt(surface_, order_.corner_time, stencils.corner[0]).right;
+    }
+    const Vec3 origin = time == 0 ? Vec3(0) : vectorOf(states_[origin_time].point);
     Vec3 difference(0);
     if constexpr (Direction::kWrites) difference = Vec3(glm::floor(target + 0.5)) - origin;
     for (int a = 0; a < 3; ++a) {
       difference[a] = unzigzag(direction_.integer(free_[a], zigzag(difference[a])));
     }
-    state.position = clampedToLattice(Vec3(
-        glm::clamp(WideVec3(origin) + WideVec3(difference), WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit))));
+    const Vec3 position(
+        glm::clamp(WideVec3(origin) + WideVec3(difference), WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit)));
+    states_[time].point = Integers{position.x, position.y, position.z, stencils.valence};
   }
 
-  void predict(Prediction& p) {
-    const Stencils& s = p.stencils;
-    for (int j = 0; j < s.count; ++j) {
-      const Stencil& t = s.list[j];
-      p.candidates[j] = parallelogram(states_[t.left].position, states_[t.right].position, states_[t.base].position);
+  /// Effort max (section 6.9). The stencils' order becomes that of the arc.
+  [[gnu::noinline]] void codeMixed(std::uint32_t time, const Stencils& stencils, const glm::dvec3& target) {
+    const Arc arc = arcOf(surface_, order_.corner_time, stencils);
+    Prediction p;
+    std::array<Parallelogram, kMaxStencils> parallelograms;
+    for (std::size_t j = 0; j < kMaxStencils; ++j) {
+      const ArcStencil& s = arc.list[static_cast<int>(j) < arc.count ? j : 0];
+      parallelograms[j] = {s.left, s.right, s.base};
     }
-    p.mean = average(p.candidates.data(), s.count);
-    const Stencil& gate = s.list[0];
-    const Vec3& left = states_[gate.left].position;
-    const Vec3& right = states_[gate.right].position;
-    const Vec3& base = states_[gate.base].position;
-    switch (parameters_.predictor) {
-      case Predictor::kParallelogram:
-        p.point = p.candidates[0];
-        break;
-      case Predictor::kWeighted:
-      case Predictor::kValence:
-        p.point = clampedToLattice(weightedParallelogram(
-            left, right, base,
-            expectedAngles(surface_, states_, known_, s.valence, gate, parameters_.predictor == Predictor::kWeighted)));
-        break;
-      default:
-        p.point = p.mean;
+    gather(parallelograms, arc.count, p);
+    place(time, arc.list[0].corner, stencils.valence, p);
+    const MixedFeatures features =
+        mixedFeatures({surface_, order_.corner_time, states_, time}, arc, stencils.valence, p.frame, tangent_);
+    p.offset = mixed_->offset(features, arc.count, stencils.valence);
+    std::array<std::int32_t, 3> residual{};
+    if constexpr (Direction::kWrites) residual = wantedResidual(p, target);
+    const std::uint32_t hits = mixed_->code(mixedVertexOf(p, arc.count, stencils.valence), residual);
+    remember(states_[time], stencils.valence, p, residual, hits);
+  }
+
+  MixedVertex mixedVertexOf(const Prediction& p, int count, std::int32_t valence) const {
+    MixedVertex m;
+    m.stencil_count = count;
+    m.valence = valence;
+    const auto local = [&](Integers v) { return toLocal(p.frame, WideVec3(vectorOf(v))); };
+    for (std::size_t j = 0; j < static_cast<std::size_t>(count); ++j) m.candidate[j] = local(p.candidates[j] - p.point);
+    m.around = p.around;
+    for (std::size_t k = 0; k < 3; ++k) {
+      m.neighbour[k] = local(p.around[k]->point - p.point);
+      m.surprise[k] = local(p.around[k]->surprise());
     }
-    if (parameters_.mode == Mode::kTangent) p.frame = frameAt(parameters_.basis, left, right, base, p.point);
-    if (parameters_.predictor == Predictor::kAdaptive) {
-      features_ = toLocal(p.frame, featuresOf(p));
-      p.offset = offsets_[countClass(s)].offset(features_);
+    m.mean = local(p.mean - p.point);
+    const Integers gate = magnitudes(p.left()->point - p.right()->point);
+    m.gate = std::int64_t{gate[0]} + gate[1] + gate[2];
+    return m;
+  }
+
+  TSC_ALWAYS_INLINE void predict(std::uint32_t time, const Stencils& stencils, Prediction& p) {
+    std::array<Parallelogram, kMaxStencils> parallelograms;
+    for (std::size_t j = 0; j < kMaxStencils; ++j) {
+      parallelograms[j] = parallelogramAt(surface_, order_.corner_time, stencils.corner[j]);
+    }
+    gather(parallelograms, stencils.count, p);
+    place(time, stencils.corner[0], stencils.valence, p);
+    if (tangent_ || adaptive_) p.surrounding = toLocal(p.frame, tangent_, surroundingOf(p));
+    if (adaptive_) {
+      const int left = p.left()->valence(), right = p.right()->valence(), base = p.base()->valence();
+      features_ = Features(p.surrounding, stencils.valence - 6, left - right, left + right - base - 6);
+      p.offset = offsets_[p.count_class].offset(features_);
     }
   }
 
-  Features featuresOf(const Prediction& p) const {
-    const Stencils& s = p.stencils;
-    const VertexState& left = states_[s.list[0].left];
-    const VertexState& right = states_[s.list[0].right];
-    const VertexState& base = states_[s.list[0].base];
-    const Vec3 apart = p.candidates[0] - p.mean;
-    // From the base vertex to the middle of the gate, alone and by how far valences are from regular; the gate by how
-    // far its ends' valences differ.
-    const Vec3 height = ((left.position - base.position) + (right.position - base.position)) / 2;
-    const Vec3 gate = left.position - right.position;
-    const auto bounded = [](int factor) {
-      return static_cast<std::int16_t>(std::clamp(factor, -kFactorLimit, kFactorLimit));
-    };
-    Features f;
-    f.x = WideLanes{Integers{left.surprise.x, right.surprise.x, base.surprise.x, apart.x},
-                    Integers{height.x, height.x, gate.x, height.x}};
-    f.y = WideLanes{Integers{left.surprise.y, right.surprise.y, base.surprise.y, apart.y},
-                    Integers{height.y, height.y, gate.y, height.y}};
-    f.z = WideLanes{Integers{left.surprise.z, right.surprise.z, base.surprise.z, apart.z},
-                    Integers{height.z, height.z, gate.z, height.z}};
-    f.factor = Lanes{kFactorOne,
-                     kFactorOne,
-                     kFactorOne,
-                     kFactorOne,
-                     kFactorOne,
-                     bounded(s.valence - 6),
-                     bounded(left.valence - right.valence),
-                     bounded(left.valence + right.valence - base.valence - 6)};
-    return f;
+  /// What is known around the vertex; beyond `count`, `parallelograms` repeats the first.
+  TSC_ALWAYS_INLINE void gather(const std::array<Parallelogram, kMaxStencils>& parallelograms, int count,
+                                Prediction& p) const {
+    p.count_class = count - 1;
+    const VertexState* const states = states_.data();
+    for (std::size_t j = 0; j < kMaxStencils; ++j) {
+      const VertexState* const left = states + parallelograms[j].left;
+      const VertexState* const right = states + parallelograms[j].right;
+      const VertexState* const base = states + parallelograms[j].base;
+      p.candidates[j] = parallelogram(left->point, right->point, base->point);
+      if (j == 2) break;
+      p.around[3 * j] = left;
+      p.around[3 * j + 1] = right;
+      p.around[3 * j + 2] = base;
+    }
+    p.magnitude = Integers{};
+    for (const VertexState* state : p.around) p.magnitude += state->magnitude();
+    p.mean = average(p.candidates[0], p.candidates[1] + p.candidates[2] - p.candidates[0] - p.candidates[0], count);
+  }
+
+  /// The predicted point and the frame there.
+  TSC_ALWAYS_INLINE void place(std::uint32_t time, std::uint32_t corner, std::int32_t valence, Prediction& p) const {
+    p.point = p.mean;
+    if (parameters_.predictor < Predictor::kAverage) [[unlikely]] {
+      p.point = parameters_.predictor == Predictor::kParallelogram
+                    ? p.candidates[0]
+                    : weightedPoint(time, corner, valence, parameters_.predictor == Predictor::kWeighted);
+    }
+    if (tangent_) {
+      p.frame = frameAt(parameters_.basis, p.left()->point, p.right()->point, p.base()->point, p.point);
+    }
+  }
+
+  /// Of the predictors that are not made of candidates' means.
+  [[gnu::noinline]] Integers weightedPoint(std::uint32_t time, std::uint32_t corner, std::int32_t valence,
+                                           bool use_known_angles) const {
+    const Parallelogram gate = parallelogramAt(surface_, order_.corner_time, corner);
+    return lanesOf(clampedToLattice(weightedParallelogram(
+        vectorOf(states_[gate.left].point), vectorOf(states_[gate.right].point), vectorOf(states_[gate.base].point),
+        expectedAngles({surface_, order_.corner_time, states_}, time, corner, valence, use_known_angles))));
+  }
+
+  TSC_ALWAYS_INLINE static Surrounding surroundingOf(const Prediction& p) {
+    const Integers left = p.left()->point, right = p.right()->point, base = p.base()->point;
+    Surrounding s;
+    s.left_surprise = p.left()->surprise();
+    s.right_surprise = p.right()->surprise();
+    s.base_surprise = p.base()->surprise();
+    s.first = p.candidates[0] - p.point;
+    s.second = p.candidates[1] - p.point;
+    s.height = ((left - base) + (right - base)) >> 1;
+    s.gate = left - right;
+    return s;
   }
 
   /// The first candidates' displacements from the predicted point, local.
-  std::array<std::array<std::int64_t, 3>, kCandidates> candidatesOf(const Prediction& p) const {
-    WideVec3 local[kCandidates] = {WideVec3(0), WideVec3(0)};
-    const bool several = p.stencils.count > 1;
-    const Vec3 first = p.candidates[0] - p.point;
-    const Vec3 second = several ? p.candidates[1] - p.point : Vec3(0);
-    if (parameters_.mode == Mode::kLattice) {
-      local[0] = WideVec3(first);
-      local[1] = WideVec3(second);
-    } else if (several || p.point != p.mean) {
-      local[0] = toLocal(p.frame, first);
-      // Two candidates lie on opposite sides of their mean.
-      local[1] = p.stencils.count == 2 && p.point == p.mean ? -local[0] : toLocal(p.frame, second);
-    }
-    return {{{local[0].x, local[0].y, local[0].z}, {local[1].x, local[1].y, local[1].z}}};
+  TSC_ALWAYS_INLINE std::array<Integers, kCandidates> candidatesOf(const Prediction& p) const {
+    if (!tangent_) return {p.candidates[0] - p.point, p.candidates[1] - p.point};
+    return p.surrounding.candidates();
   }
 
-  Surroundings surroundingsOf(const Prediction& p,
-                              const std::array<std::array<std::int64_t, 3>, kCandidates>& local) const {
-    const Stencils& s = p.stencils;
-    Surroundings around;
-    around.stencil_count = s.count;
-    for (int a = 0; a < 3; ++a) {
-      const std::uint32_t sum = magnitudeSum(states_, s.list[0], a);
-      around.residual[a] =
-          s.count > 1 ? ((sum + magnitudeSum(states_, s.list[1], a)) * 2731u) >> 10 : (sum * 5461u) >> 10;
-    }
-    if (s.count == 1) {
-      const Vec3 gate = glm::abs(states_[s.list[0].left].position - states_[s.list[0].right].position);
-      around.gate = static_cast<std::uint32_t>(
-          (((std::int64_t{gate.x} + gate.y + gate.z) * 16 >> parameters_.fine_bits) * 5461) >> 14);
-    } else {
-      for (int a = 0; a < 3; ++a) {
-        const std::int64_t spread = ((std::abs(local[0][a]) + std::abs(local[1][a])) * sixteenths_[a]) >> 13;
-        around.disagreement[a] = static_cast<std::uint32_t>(std::min(spread, kMaxDisagreement));
-      }
-    }
+  TSC_ALWAYS_INLINE Neighbourhood neighbourhoodOf(const Prediction& p, const std::array<Integers, kCandidates>& local) const {
+    Neighbourhood around;
+    around.magnitude = p.magnitude;
+    around.count_class = p.count_class;
+    const Integers gate = magnitudes(p.left()->point - p.right()->point) >> 2;
+    const Integers extents = splatInteger(gate[0] + gate[1] + gate[2]);
+    const Integers spread = p.count_class == 0 ? extents : magnitudes(local[0]) + magnitudes(local[1]);
+    const int shift = kFineBits - parameters_.fine_bits;
+    around.spread = smaller(spread, splatInteger(kMaxSpread >> (kFineBits + 2))) << shift;
     return around;
   }
 
-  void codeResiduals(std::uint32_t v, const Prediction& p, const glm::dvec3& target) {
-    VertexState& state = states_[v];
-    std::array<std::int32_t, 3> residual{};
-    if constexpr (Direction::kWrites) {
-      const Vec3 nearest = nearestResidual(p, target);
-      residual = {nearest.x, nearest.y, nearest.z};
+  /// `learning`: the component whose shares learn from this vertex, if any.
+  TSC_ALWAYS_INLINE void codeResiduals(Hot<Direction>& coder, VertexState& state, std::int32_t valence,
+                                       std::uint32_t learning, const Prediction& p, const glm::dvec3& target) {
+    std::array<std::int32_t, 3> wanted{};
+    if constexpr (Direction::kWrites) wanted = wantedResidual(p, target);
+    std::array<Integers, kCandidates> candidates = candidatesOf(p);
+    const ResidualContexts contexts = residualContexts(neighbourhoodOf(p, candidates));
+    std::array<Integers, kCandidates> offsets;
+    for (std::size_t j = 0; j < kCandidates; ++j) {
+      candidates[j] -= p.offset;
+      offsets[j] = scaledDown(candidates[j], contexts.shifts + step_bits_, kMaxOffset);
     }
-    const auto local = candidatesOf(p);
-    const Surroundings around = surroundingsOf(p, local);
-    const Stencil& gate = p.stencils.list[0];
-    Component component;
-    component.count_class = countClass(p.stencils);
-    component.candidate_count = std::min(p.stencils.count, kCandidates);
-    for (int a = 0; a < 3; ++a) {
-      component.axis = a;
-      component.hits_around = (states_[gate.left].hits >> a & 1) + (states_[gate.right].hits >> a & 1);
-      for (int j = 0; j < kCandidates; ++j) {
-        component.candidates[j] = inSteps(local[j][a] - p.offset[a], a);
+    std::array<std::int32_t, 3> residual;
+    std::uint32_t hits = 0;
+    const auto component = [&](int a) {
+      Component c;
+      c.scale = contexts.scale(a);
+      c.shift = contexts.shift(a);
+      c.ratio = contexts.ratio(a);
+      c.count_class = p.count_class;
+      c.first_offset = offsets[0][a];
+      c.second_offset = offsets[1][a];
+      if (exact_hits_) {
+        const std::int32_t half_step = (1 << step_bits_[a]) >> 1;
+        c.candidates = {(candidates[0][a] + half_step) >> step_bits_[a], (candidates[1][a] + half_step) >> step_bits_[a]};
+        c.hits_around = (p.left()->hits() >> a & 1) + (p.right()->hits() >> a & 1);
       }
-      residual[a] = residuals_.code(component, residualContext(around, a), residual[a]);
-      if (parameters_.predictor == Predictor::kAdaptive) {
-        offsets_[component.count_class].learn(a, features_, residual[a]);
-      }
-      state.magnitude[a] = static_cast<std::uint16_t>(std::min<std::int32_t>(std::abs(residual[a]), kMaxMagnitude));
-    }
-    state.hits = component.hits;
-    state.position = reconstruct(p, {residual[0], residual[1], residual[2]});
-    state.surprise = state.position - p.mean;
+      c.shares_learn = learning == static_cast<std::uint32_t>(a);
+      return c;
+    };
+    residual[0] = residuals_.template code<0>(coder, component(0), hits, wanted[0]);
+    residual[1] = residuals_.template code<1>(coder, component(1), hits, wanted[1]);
+    residual[2] = residuals_.template code<2>(coder, component(2), hits, wanted[2]);
+    codeLowBits(coder, contexts, hits, wanted, residual);
+    if (adaptive_) offsets_[p.count_class].learn(features_, Integers{residual[0], residual[1], residual[2], 0});
+    remember(state, valence, p, residual, hits);
   }
 
-  /// A local coordinate in steps of its axis, rounded; |local| < 2^30.
-  std::int32_t inSteps(std::int64_t local, int a) const {
-    const std::uint64_t doubled =
-        2 * static_cast<std::uint64_t>(std::abs(local)) + static_cast<std::uint64_t>(step_[a]);
-    const auto magnitude = static_cast<std::int32_t>((doubled * half_reciprocals_[a]) >> 32);
-    return local < 0 ? -magnitude : magnitude;
+  TSC_ALWAYS_INLINE void remember(VertexState& state, std::int32_t valence, const Prediction& p,
+                                  const std::array<std::int32_t, 3>& residual, std::uint32_t hits) const {
+    const Integers steps = {residual[0], residual[1], residual[2], 0};
+    const Integers point = reconstruct(p, residual);
+    const Integers magnitude = smaller(magnitudes(steps), splatInteger(kMaxMagnitude));
+    storeLanes(state.memory.data(), packed(point - p.mean, withLast(magnitude, static_cast<std::int32_t>(hits))));
+    state.point = withLast(point, valence);
+  }
+
+  /// The bits below the bins' widths of all components that are no hits, the first component's highest.
+  TSC_ALWAYS_INLINE void codeLowBits(Hot<Direction>& coder, const ResidualContexts& contexts, std::uint32_t hits,
+                                     const std::array<std::int32_t, 3>& wanted,
+                                     std::array<std::int32_t, 3>& residual) {
+    const int third = hits & 4 ? 0 : contexts.shift(2);
+    const int second = hits & 2 ? 0 : contexts.shift(1);
+    const int first = hits & 1 ? 0 : contexts.shift(0);
+    std::uint64_t bits = 0;
+    if constexpr (Direction::kWrites) {
+      bits = static_cast<std::uint64_t>(wanted[0] - residual[0]) << (second + third) |
+             static_cast<std::uint64_t>(wanted[1] - residual[1]) << third |
+             static_cast<std::uint64_t>(wanted[2] - residual[2]);
+    }
+    bits = coder.longRaw(bits, first + second + third);
+    residual[0] += static_cast<std::int32_t>(bits >> (second + third));
+    residual[1] += static_cast<std::int32_t>(bits >> third & ((1u << second) - 1));
+    residual[2] += static_cast<std::int32_t>(bits & ((1u << third) - 1));
   }
 
   static WideVec3 offsetOf(const Prediction& p) { return {p.offset[0], p.offset[1], p.offset[2]}; }
 
-  Vec3 reconstruct(const Prediction& p, const Vec3& residual) const {
-    WideVec3 local = offsetOf(p) + WideVec3(residual) * WideVec3(step_[0], step_[1], step_[2]);
-    if (!within(local, kDisplacementBits)) [[unlikely]] {
-      constexpr std::int64_t kLimit = std::int64_t{1} << kDisplacementBits;
-      local = glm::clamp(local, WideVec3(-kLimit), WideVec3(kLimit));
-    }
-    if (parameters_.mode == Mode::kLattice) return clampedToLattice(p.point + Vec3(local));
-    return clampedToLattice(p.point + toLattice(p.frame, local));
+  TSC_ALWAYS_INLINE Integers reconstruct(const Prediction& p, const std::array<std::int32_t, 3>& residual) const {
+    const Integers local =
+        p.offset + Integers{residual[0] * step_[0], residual[1] * step_[1], residual[2] * step_[2], 0};
+    return clampedToLattice(p.point + (tangent_ ? toLattice(p.frame, local) : local));
   }
 
   /// The residual whose reconstruction is nearest to the target: the frame is orthonormal only up to 2^-13, so that
   /// large residuals are corrected by what they leave over.
   Vec3 nearestResidual(const Prediction& p, const glm::dvec3& target) const {
-    if (parameters_.mode == Mode::kLattice) return Vec3(glm::floor(target + 0.5)) - p.point - Vec3(offsetOf(p));
-    const glm::dvec3 axes[3] = {glm::dvec3(p.frame.normal), glm::dvec3(p.frame.first), glm::dvec3(p.frame.second)};
+    if (!tangent_) return Vec3(glm::floor(target + 0.5)) - vectorOf(p.point) - Vec3(offsetOf(p));
+    const auto axis = [](Integers v) { return glm::dvec3(v[0], v[1], v[2]); };
+    const glm::dvec3 axes[3] = {axis(p.frame.normal), axis(p.frame.first), axis(p.frame.second)};
     const auto steps = [&](const glm::dvec3& displacement, const glm::dvec3& from) {
       Vec3 result;
       for (int a = 0; a < 3; ++a) {
@@ -307,72 +353,118 @@ class PositionCoder {
       }
       return result;
     };
-    Vec3 residual = steps(target - glm::dvec3(p.point), glm::dvec3(offsetOf(p)));
+    Vec3 residual = steps(target - glm::dvec3(vectorOf(p.point)), glm::dvec3(offsetOf(p)));
     for (int pass = 0; pass < 3; ++pass) {
-      const Vec3 correction = steps(target - glm::dvec3(reconstruct(p, residual)), glm::dvec3(0));
+      const Vec3 correction = steps(target - glm::dvec3(vectorOf(reconstruct(p, {residual.x, residual.y, residual.z}))), glm::dvec3(0));
       if (correction == Vec3(0)) break;
       residual += correction;
     }
     return residual;
   }
 
+  /// Tangent mode: rounds components that lie near the middle between two steps to the smaller one, where that saves more
+  /// bits than the error is worth. A Laplace distribution of mean magnitude m saves 1.44 / m bits a step, which at high
+  /// rates weigh 0.17 / m squared steps; a little less is best. Stays within the bound of rounding each component.
+  Vec3 cheaperResidual(const Prediction& p, const glm::dvec3& target, Vec3 residual) const {
+    constexpr double kWorth = 0.055, kMostSlack = 0.15, kSquareBound = 0.7;
+    if (!tangent_ || step_[0] != step_[1]) return residual;
+    const glm::dvec3 displacement = target - glm::dvec3(vectorOf(reconstruct(p, {residual.x, residual.y, residual.z})));
+    const auto along = [&](Integers axis) { return glm::dot(glm::dvec3(vectorOf(axis)), displacement); };
+    glm::dvec3 left_over = glm::dvec3(along(p.frame.normal), along(p.frame.first), along(p.frame.second)) /
+                           (static_cast<double>(step_[0]) * (1 << kFrameBits));
+    for (int a = 0; a < 3; ++a) {
+      const int sign = (residual[a] > 0) - (residual[a] < 0);
+      const double magnitude = p.magnitude[a] / 6.0 + 0.5;
+      if (sign == 0 || left_over[a] * sign > std::min(kWorth / magnitude, kMostSlack) - 0.5) continue;
+      glm::dvec3 moved = left_over;
+      moved[a] += sign;
+      if (glm::dot(moved, moved) > kSquareBound) continue;
+      left_over = moved;
+      residual[a] -= sign;
+    }
+    return residual;
+  }
+
+  std::array<std::int32_t, 3> wantedResidual(const Prediction& p, const glm::dvec3& target) const {
+    const Vec3 residual = cheaperResidual(p, target, nearestResidual(p, target));
+    return {residual.x, residual.y, residual.z};
+  }
+
   Direction direction_;
   const Surface& surface_;
-  const PositionMap& map_;
+  std::uint32_t position_count_;
   const PositionParameters& parameters_;
-  std::vector<VertexState> states_;
-  std::vector<std::uint8_t> known_;  ///< beside the states, so that the walk around a vertex stays in the cache
-  std::vector<std::uint32_t> next_repeat_;
+  const bool tangent_;
+  const bool adaptive_;
+  const bool exact_hits_;
+  CodingOrder order_;
+  std::vector<VertexState> states_;  ///< by time
   ResidualCoder<Direction> residuals_;
+  std::unique_ptr<MixedResiduals<Direction>> mixed_;  ///< at effort max
   IntegerModel free_[3];  ///< components of vertices without a stencil
   AdaptiveOffset offsets_[kCountClasses];
-  std::array<int, 3> step_;
-  std::array<std::int64_t, 3> sixteenths_;
-  std::array<std::uint64_t, 3> half_reciprocals_;
-  LocalFeatures features_;
-  Vec3 last_{0};
+  std::array<std::int32_t, 3> step_;  ///< of each component on the fine lattice
+  Integers step_bits_{};              ///< floor(log2(step))
+  Features features_{{}, 0, 0, 0};
 };
 
 }  // namespace
 
 namespace {
 
-/// Positions that the surface does not have: differences on the fine lattice, one after another.
+/// Positions that the surface does not have: one after another by differences.
 template <class Direction>
-void codeExtraPositions(Direction direction, std::span<const glm::dvec3> target, std::span<Vec3> decoded) {
-  IntegerModel models[3];
-  Vec3 last(0);
+void codeExtraPositions(Direction direction, int bits, std::span<const glm::dvec3> target, std::span<Vec3> decoded) {
+  const std::int64_t limit = kCoordinateLimit >> bits;
+  // By component, and by how long the component before was: jumps are jumps in all of them.
+  constexpr int kClasses = 4;
+  IntegerModel models[3][kClasses];
+  int length_class = 0;
+  WideVec3 last(0);
   for (std::size_t i = 0; i < decoded.size() && !direction.overrun(); ++i) {
     WideVec3 difference(0);
-    if constexpr (Direction::kWrites) difference = WideVec3(glm::floor(target[i] + 0.5)) - WideVec3(last);
-    for (int a = 0; a < 3; ++a) {
-      difference[a] = unzigzag(direction.integer(models[a], zigzag(static_cast<std::int32_t>(difference[a]))));
+    if constexpr (Direction::kWrites) {
+      difference = WideVec3(glm::floor(target[i] / static_cast<double>(1 << bits) + 0.5)) - last;
     }
-    last = Vec3(glm::clamp(WideVec3(last) + difference, WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit)));
-    decoded[i] = last;
+    for (int a = 0; a < 3; ++a) {
+      const std::uint32_t coded =
+          direction.integer(models[a][length_class], zigzag(static_cast<std::int32_t>(difference[a])));
+      difference[a] = unzigzag(coded);
+      length_class = std::min<int>(static_cast<int>(std::bit_width(coded)) / 2, kClasses - 1);
+    }
+    last = glm::clamp(last + difference, WideVec3(-limit), WideVec3(limit));
+    decoded[i] = Vec3(last * (std::int64_t{1} << bits));
   }
 }
 
 }  // namespace
 
-void encodeExtraPositions(std::span<const glm::dvec3> target, EntropyWriter& writer, std::span<Vec3> decoded) {
-  codeExtraPositions(Writing{writer}, target, decoded);
+void encodeExtraPositions(std::span<const glm::dvec3> target, int bits, EntropyWriter& writer,
+                          std::span<Vec3> decoded) {
+  codeExtraPositions(Writing{writer}, bits, target, decoded);
 }
 
-Status decodeExtraPositions(EntropyReader& reader, std::span<Vec3> decoded) {
-  codeExtraPositions(Reading{reader}, {}, decoded);
+Status decodeExtraPositions(EntropyReader& reader, int bits, std::span<Vec3> decoded) {
+  codeExtraPositions(Reading{reader}, bits, {}, decoded);
   if (reader.overrun()) return Error{ErrorCode::kTruncated, "extra positions", reader.position()};
   return {};
 }
 
-void encodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
-                     std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>& decoded) {
-  PositionCoder<Writing>(Writing{writer}, surface, map, parameters).run(target, decoded);
+double encodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
+                       std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>& decoded,
+                       std::uint32_t count) {
+  PositionCoder<Writing> coder(Writing{writer}, surface, map, parameters);
+  const double squared_error = coder.run(target, count);
+  decoded = coder.decoded();
+  return squared_error;
 }
 
-Status decodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
-                       EntropyReader& reader, std::vector<Vec3>& decoded) {
-  PositionCoder<Reading>(Reading{reader}, surface, map, parameters).run({}, decoded);
+Status decodePositions(Surface& surface, const PositionMap& map, const PositionParameters& parameters,
+                       bool edges_end_here, EntropyReader& reader, std::vector<Vec3>& decoded) {
+  PositionCoder<Reading> coder(Reading{reader}, surface, map, parameters);
+  coder.run({}, kNone);
+  if (edges_end_here) surface.opposite = std::vector<std::uint32_t>();
+  decoded = coder.decoded();
   if (reader.overrun()) return Error{ErrorCode::kTruncated, "positions", reader.position()};
   return {};
 }

@@ -24,18 +24,26 @@ struct PositionParameters {
   bool exact_hits = false;         ///< residuals may be signalled as exactly a candidate's
 };
 
-/// Codes the positions that the surface has. `target` holds them by position number, in units of the fine lattice and
-/// within +-2^26; `decoded` receives what the decoder will have.
-void encodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
-                     std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>& decoded);
-/// Errors: kTruncated.
-[[nodiscard]] Status decodePositions(const Surface& surface, const PositionMap& map,
-                                     const PositionParameters& parameters, EntropyReader& reader,
-                                     std::vector<Vec3>& decoded);
+/// Codes the positions that the surface has, or the first `count` in the order of coding. `target` holds them by position
+/// number, in units of the fine lattice and within +-2^26; `decoded` receives what the decoder will have. Returns the sum
+/// of squared distances between the two, in these units.
+double encodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
+                       std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>& decoded,
+                       std::uint32_t count = kNone);
+/// `edges_end_here`: nothing after this needs the surface's edges, whose memory is then given back before the result
+/// takes its own. Errors: kTruncated.
+[[nodiscard]] Status decodePositions(Surface& surface, const PositionMap& map, const PositionParameters& parameters,
+                                     bool edges_end_here, EntropyReader& reader, std::vector<Vec3>& decoded);
 
-/// Codes positions that only side faces and unused vertices have, as many as `decoded` holds.
-void encodeExtraPositions(std::span<const glm::dvec3> target, EntropyWriter& writer, std::span<Vec3> decoded);
+/// How coarse extra positions are: multiples of 2^bits on the fine lattice. Whole steps, or half ones where a finer
+/// normal step asks for more.
+inline int extraPositionBits(const PositionParameters& parameters) {
+  return parameters.fine_bits - (parameters.normal_scale > 1 ? 1 : 0);
+}
+
+/// Codes positions that only side faces and unused vertices have, as many as `decoded` holds, as multiples of 2^bits.
+void encodeExtraPositions(std::span<const glm::dvec3> target, int bits, EntropyWriter& writer, std::span<Vec3> decoded);
 /// Errors: kTruncated.
-[[nodiscard]] Status decodeExtraPositions(EntropyReader& reader, std::span<Vec3> decoded);
+[[nodiscard]] Status decodeExtraPositions(EntropyReader& reader, int bits, std::span<Vec3> decoded);
 
 }  // namespace tsc

@@ -4,9 +4,12 @@ namespace tsc {
 namespace {
 
 constexpr int kAngleInputBits = 17;
+constexpr int kCrossBits = 24;
 
 /// Umbrellas are walked this far at most: a hostile stream could otherwise make the sum of walks quadratic.
 constexpr int kMaxAngleWalk = 32;
+
+constexpr std::int32_t kMaxValence = 255;  // more makes no difference to an angle
 
 /// atan(y / x) for 0 <= y <= x, x > 0: pi/4 t + 0.273 t (1 - t), off by less than 0.004.
 std::int64_t octantAngle(std::int64_t y, std::int64_t x) {
@@ -35,15 +38,15 @@ Angle innerAngle(const Vec3& tip, const Vec3& a, const Vec3& b) {
   WideVec3 u(a - tip);
   WideVec3 v(b - tip);
   const int excess =
-      std::bit_width(static_cast<std::uint64_t>(std::max(largestMagnitude(u), largestMagnitude(v)))) - kAngleInputBits;
+      std::max(magnitudeBits(u), magnitudeBits(v)) - kAngleInputBits;
   if (excess > 0) {
     u = {u.x >> excess, u.y >> excess, u.z >> excess};
     v = {v.x >> excess, v.y >> excess, v.z >> excess};
   }
   const std::int64_t cosine = dot(u, v);  // below 2^38
   const WideVec3 normal = cross(u, v);    // components below 2^37
-  const int cross_bits = std::bit_width(static_cast<std::uint64_t>(largestMagnitude(normal)));
-  const int shift = std::max(0, cross_bits - kUnitInputBits);
+  const int cross_bits = magnitudeBits(normal);
+  const int shift = std::max(0, cross_bits - kCrossBits);
   const WideVec3 small(normal.x >> shift, normal.y >> shift, normal.z >> shift);
   const std::int64_t length = integerSqrt(dot(small, small)) << shift;
   if (length == 0) return {};
@@ -60,34 +63,38 @@ std::int64_t cotangentOf(std::int64_t angle) {
   return from_middle < 0 ? -magnitude : magnitude;
 }
 
-ExpectedAngles expectedAngles(const Surface& surface, const std::vector<VertexState>& states,
-                              const std::vector<std::uint8_t>& known, int tip_valence, const Stencil& stencil,
-                              bool use_known_angles) {
-  const auto byValence = [](int valence) { return floorDivide(2 * kHalfTurn, std::max(valence, 3)); };
-  ExpectedAngles expected{byValence(states[stencil.left].valence), byValence(states[stencil.right].valence),
-                          byValence(tip_valence)};
+ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t stencil_corner,
+                              std::int32_t valence, bool use_known_angles) {
+  const Surface& surface = context.surface;
+  const std::span<const std::uint32_t> corner_time = context.corner_time;
+  const std::vector<VertexState>& states = context.states;
+  const Parallelogram gate = parallelogramAt(surface, corner_time, stencil_corner);
+  const auto byValence = [](std::int32_t faces) { return floorDivide(2 * kHalfTurn, std::clamp(faces, 3, kMaxValence)); };
+  ExpectedAngles expected{byValence(states[gate.left].valence()), byValence(states[gate.right].valence()),
+                          byValence(valence)};
   if (use_known_angles) {
     // What the triangles with three known corners leave of the full turn, shared by the rest.
-    const auto remaining = [&](std::uint32_t v, std::int64_t fallback) {
+    const auto remaining = [&](std::uint32_t first_corner, std::int64_t fallback) {
+      const Vec3 tip = vectorOf(states[corner_time[first_corner]].point);
       std::int64_t left_over = 2 * kHalfTurn;
       std::int64_t unknown = 0;
-      const std::uint32_t start = surface.vertex_corner[v];
-      std::uint32_t corner = start;
+      std::uint32_t corner = first_corner;
       int steps = 0;
       do {
-        const std::uint32_t a = surface.corner_vertex[nextCorner(corner)];
-        const std::uint32_t b = surface.corner_vertex[previousCorner(corner)];
-        if (known[a] & known[b]) {
-          left_over -= innerAngle(states[v].position, states[a].position, states[b].position).value;
+        const std::uint32_t a = corner_time[nextCorner(corner)];
+        const std::uint32_t b = corner_time[previousCorner(corner)];
+        if (a < time && b < time) {
+          left_over -= innerAngle(tip, vectorOf(states[a].point), vectorOf(states[b].point)).value;
         } else {
           ++unknown;
         }
         corner = nextAroundVertex(surface, corner);
-      } while (corner != start && ++steps < kMaxAngleWalk);
+      } while (corner != first_corner && ++steps < kMaxAngleWalk);
       return unknown > 0 && left_over > 0 ? floorDivide(left_over, unknown) : fallback;
     };
-    expected.left = remaining(stencil.left, expected.left);
-    expected.right = remaining(stencil.right, expected.right);
+    const std::uint32_t at_tip = 3 * (stencil_corner >> 2) + (stencil_corner & 3);
+    expected.left = remaining(nextCorner(at_tip), expected.left);
+    expected.right = remaining(previousCorner(at_tip), expected.right);
   }
   const std::int64_t sum = expected.left + expected.right + expected.tip;
   expected.left = floorDivide(expected.left * kHalfTurn, sum);
@@ -102,7 +109,7 @@ Vec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base
   const std::int64_t gamma = cotangentOf(expected.left);
   const std::int64_t delta = cotangentOf(expected.right);
   const std::int64_t sum = gamma + delta;
-  if (sum < kCotangentOne / 16) return parallelogram(left, right, base);
+  if (sum < kCotangentOne / 16) return left + right - base;
   const auto ratio = [&](std::int64_t numerator) {
     const std::int64_t magnitude = floorDivide(std::abs(numerator) << 12, sum);
     return numerator < 0 ? -magnitude : magnitude;
@@ -110,7 +117,7 @@ Vec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base
   const std::int64_t w1 = ratio(beta + delta);
   const std::int64_t w2 = ratio(alpha + gamma);
   constexpr std::int64_t kLimit = 8 << 12;
-  if (std::abs(w1) > kLimit || std::abs(w2) > kLimit) return parallelogram(left, right, base);
+  if (std::abs(w1) > kLimit || std::abs(w2) > kLimit) return left + right - base;
   const WideVec3 offset = WideVec3(left - base) * w1 + WideVec3(right - base) * w2 + (std::int64_t{1} << 11);
   return base + Vec3(offset.x >> 12, offset.y >> 12, offset.z >> 12);
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
+#include <vector>
 
 #include "frame.h"
 #include "stencil.h"
@@ -10,16 +12,13 @@
 namespace tsc {
 
 /// Paper, eq. 1.
-inline Vec3 parallelogram(const Vec3& left, const Vec3& right, const Vec3& base) { return left + right - base; }
+inline Integers parallelogram(Integers left, Integers right, Integers base) { return left + right - base; }
 
-/// Mean of `count` candidates, rounded; exactly their value where all agree.
-inline Vec3 average(const Vec3* candidates, int count) {
-  static constexpr std::array<std::int64_t, kMaxStencils + 1> kReciprocal = {0, 262144, 131072, 87381,
-                                                                             65536};  // 2^18 / n
-  WideVec3 sum(0);
-  for (int j = 1; j < count; ++j) sum += WideVec3(candidates[j] - candidates[0]);
-  const WideVec3 mean = sum * kReciprocal[count] + (std::int64_t{1} << 17);
-  return candidates[0] + Vec3(mean.x >> 18, mean.y >> 18, mean.z >> 18);
+/// Mean of `count` candidates, 1..kMaxStencils, rounded; of three, the first counts as much as the others together.
+/// `spread` is the sum of the differences of the others from the first.
+inline Integers average(Integers first, Integers spread, int count) {
+  const int shift = count - 1;
+  return first + ((spread + ((1 << shift) >> 1)) >> shift);
 }
 
 // --- Weighted parallelogram (paper, eq. 2-4) ---
@@ -49,9 +48,14 @@ struct ExpectedAngles {
   std::int64_t right;
   std::int64_t tip;
 };
-ExpectedAngles expectedAngles(const Surface& surface, const std::vector<VertexState>& states,
-                              const std::vector<std::uint8_t>& known, int tip_valence, const Stencil& stencil,
-                              bool use_known_angles);
+struct AngleContext {
+  const Surface& surface;
+  std::span<const std::uint32_t> corner_time;
+  const std::vector<VertexState>& states;
+};
+/// For the vertex coded at `time`, with `stencil_corner` as in Stencils.
+ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t stencil_corner,
+                              std::int32_t valence, bool use_known_angles);
 
 /// Eq. 2 with the weights of eq. 3 and 4. The parallelogram where the angles give no usable triangle.
 Vec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base, ExpectedAngles expected);

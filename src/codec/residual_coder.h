@@ -13,102 +13,115 @@
 
 namespace tsc {
 
-inline constexpr int kCandidates = 2;    // single parallelograms that are experts of their own
-inline constexpr int kCountClasses = 3;  // 1, 2, 3 or more complete parallelograms
+inline constexpr int kCandidates = 2;  // single parallelograms that are experts of their own
 inline constexpr int kHitShifts = 8;
-inline constexpr std::int64_t kResidualLimit = std::int64_t{1} << 28;
+inline constexpr std::int64_t kResidualLimit = std::int64_t{1} << 28;  // on the fine lattice
 
-/// What the residual of one axis is coded by, beside its context.
+/// What the residual of one axis is coded by.
 struct Component {
-  int axis = 0;
-  int count_class = 0;                                 ///< 0..kCountClasses - 1
-  int candidate_count = 0;                             ///< 1..kCandidates
-  std::array<std::int32_t, kCandidates> candidates{};  ///< the residuals at which the candidates lie
-  int hits_around = 0;                                 ///< how many of the gate's ends had a hit on this axis
-  std::uint8_t hits = 0;  ///< axes of this vertex that were hits, a bit each; updated by coding
+  int scale;  ///< these three as in ResidualContexts
+  int shift;
+  int ratio;
+  int count_class;                                 ///< 0..kCountClasses - 1
+  int first_offset, second_offset;                 ///< of the candidates, in bins, at most kMaxOffset
+  std::array<std::int32_t, kCandidates> candidates;  ///< the residuals at which they lie; these two for exact hits only
+  int hits_around;                                 ///< how many of the gate's ends had a hit on this axis
+  bool shares_learn;
 };
 
 template <class Direction>
 class ResidualCoder {
  public:
-  /// `exact_hits`: whether residuals may be signalled as exactly a candidate's. `effort`: how many experts there are.
-  /// Both stand in the header.
-  ResidualCoder(Direction direction, bool exact_hits, Effort effort)
-      : direction_(direction), exact_hits_(exact_hits), effort_(effort), models_(std::make_unique<Models>(effort)) {}
+  /// `exact_hits`: whether residuals may be signalled as exactly a candidate's; it stands in the header. `step_bits`:
+  /// floor(log2(step)) of each axis.
+  ResidualCoder(Direction direction, bool exact_hits, const std::array<int, 3>& step_bits)
+      : direction_(direction),
+        exact_hits_(exact_hits),
+        step_bits_(step_bits),
+        models_(std::make_unique<Models>()) {}
 
-  /// Codes a residual in steps; only writing looks at `residual`.
-  std::int32_t code(Component& c, const ResidualContext& context, std::int32_t residual) {
+  /// Codes a residual in steps but for what lies below its bin's width; only writing looks at `residual`. Returns the
+  /// lowest residual of the bin, or, where it is a hit, the residual itself; `hits` holds the axes of this vertex that
+  /// were hits, a bit each, and is updated.
+  template <int kAxis>
+  TSC_ALWAYS_INLINE std::int32_t code(Hot<Direction>& coder, const Component& c, std::uint32_t& hits,
+                                      std::int32_t residual) {
     Models& m = *models_;
-    const int shift = context.shift;
-    const std::int32_t half = (1 << shift) >> 1;
-    const std::int32_t wide_bin = (residual + half) >> shift;
-    int bin = std::clamp(wide_bin + kWindowBins / 2, 0, kWindowBins - 1);
-    bin = effort_ == Effort::kDefault
-              ? codeByExperts(c, context, m.base[c.axis][shift][context.ratio], bin)
-              : codeByExperts(c, context, m.base[c.axis][shift][context.ratio], bin, m.scale[c.axis][context.scale]);
-    std::int64_t value = bin - kWindowBins / 2;
-    if (bin == 0) {
-      value -= direction_.integer(m.beyond[shift], static_cast<std::uint32_t>(value - wide_bin));
-    } else if (bin == kWindowBins - 1) {
-      value += direction_.integer(m.beyond[shift], static_cast<std::uint32_t>(wide_bin - value));
+    const std::int32_t half = (1 << c.shift) >> 1;
+    std::int32_t wide_bin = 0;
+    int bin = 0;
+    if constexpr (Direction::kWrites) {
+      wide_bin = (residual + half) >> c.shift;
+      bin = std::clamp(wide_bin + kWindowCentre, 0, kWindowBins - 1);
     }
-    if (exact_hits_ && shift > 0) {
-      const int hit = codeHit(c, shift, value, residual);
-      if (hit >= 0) return c.candidates[hit];
+    CentredTable& centred = m.centred[kAxis][c.scale][c.ratio];
+    if (c.count_class == 0) {
+      bin = codeBin<kAxis>(coder, centred, bin);
+    } else {
+      bin = codeBin<kAxis>(coder, centred, m.shifted[kAxis][c.scale], c.first_offset, c.second_offset,
+                    m.weights[c.count_class - 1][kAxis], c.shares_learn, bin);
     }
-    const std::uint32_t low = direction_.raw(static_cast<std::uint32_t>(residual + half) & ((1u << shift) - 1), shift);
-    return limited(value * (1 << shift) + low - half);
+    std::int32_t value = bin - kWindowCentre;
+    if (bin == 0 || bin == kWindowBins - 1) [[unlikely]] {
+      coder.to(direction_);
+      value = codeBeyond(kAxis, c.shift, value, wide_bin);
+      coder.from(direction_);
+    }
+    if (exact_hits_ && c.shift > 0) {
+      const int hit = codeHit(coder, kAxis, c, hits, value, residual);
+      if (hit >= 0) return c.candidates[static_cast<std::size_t>(hit)];
+    }
+    return value * (1 << c.shift) - half;
   }
 
  private:
-  static std::int32_t limited(std::int64_t residual) {
-    if (residual >= -kResidualLimit && residual <= kResidualLimit) [[likely]]
-      return static_cast<std::int32_t>(residual);
-    return static_cast<std::int32_t>(residual < 0 ? -kResidualLimit : kResidualLimit);
-  }
-
   struct Models {
-    BinTable base[3][kShiftClasses][kRatioClasses];
-    BinTable scale[3][kScaleClasses];   ///< at effort max
-    BinTable single[3][kScaleClasses];  ///< shared by the candidates
-    MixWeights weights[kCountClasses][3];
+    CentredTable centred[3][kScaleClasses][kRatioClasses];
+    ShiftedTable shifted[3][kScaleClasses];
+    MixWeights weights[kCountClasses - 1][3];
     BitModel hit[kHitShifts][kCandidates][3][kCountClasses][2];
     IntegerModel beyond[kShiftClasses];  ///< how far outside the window a bin lies
 
-    explicit Models(Effort effort) {
-      const int centred = effort == Effort::kDefault ? 1 : 2;
-      for (int c = 0; c < kCountClasses; ++c) {
-        for (MixWeights& w : weights[c]) w = MixWeights(c == 0 ? centred : centred + kCandidates);
+    Models() {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (std::size_t scale = 0; scale < kScaleClasses; ++scale) {
+          const std::size_t first = std::min(scale, kFirstTables.size() - 1);
+          std::fill_n(centred[axis][scale], kRatioClasses, kFirstTables[first]);
+          shifted[axis][scale] = kFirstShiftedTables[first];
+        }
       }
     }
   };
 
-  /// The experts centred on the common prediction, and the candidates where there are several.
-  template <class... Centred>
-  int codeByExperts(const Component& c, const ResidualContext& context, BinTable& base, int bin, Centred&... centred) {
-    constexpr int kCentred = 1 + sizeof...(centred);
-    MixWeights& weights = models_->weights[c.count_class][c.axis];
-    if (c.count_class == 0) {
-      return codeBin<kCentred>(direction_, Mixture<kCentred>{{&base, &centred...}}, weights, bin);
-    }
-    BinTable& single = models_->single[c.axis][context.scale];
-    Mixture<kCentred + kCandidates> mixture{{&base, &centred..., &single, &single}};
-    for (int j = 0; j < kCandidates; ++j) {
-      const std::int32_t bins = (c.candidates[j] + (1 << context.shift >> 1)) >> context.shift;
-      mixture.offset[kCentred + j] = std::clamp(bins, -kMaxOffset, kMaxOffset);
-    }
-    return codeBin<kCentred>(direction_, mixture, weights, bin);
+  /// Tables before anything is known, by scale: from nearly always 0 up to where bins begin to grow with the scale.
+  static constexpr std::array<int, 10> kDecays = {6, 8, 11, 15, 19, 25, 31, 38, 44, 42};
+  template <class Table>
+  static constexpr std::array<Table, kDecays.size()> firstTables() {
+    std::array<Table, kDecays.size()> tables;
+    for (std::size_t i = 0; i < kDecays.size(); ++i) tables[i] = Table(kDecays[i]);
+    return tables;
+  }
+  static constexpr auto kFirstTables = firstTables<CentredTable>();
+  static constexpr auto kFirstShiftedTables = firstTables<ShiftedTable>();
+
+  [[gnu::noinline]] std::int32_t codeBeyond(int axis, int shift, std::int32_t value, std::int32_t wide_bin) {
+    IntegerModel& model = models_->beyond[shift];
+    const std::int64_t excess = direction_.integer(model, static_cast<std::uint32_t>(std::abs(wide_bin - value)));
+    const std::int64_t limit = kResidualLimit >> (step_bits_[static_cast<std::size_t>(axis)] + shift);
+    return static_cast<std::int32_t>(std::clamp(value < 0 ? value - excess : value + excess, -limit, limit));
   }
 
   /// Which of the candidates that lie in the bin the residual equals; -1 for none.
-  int codeHit(Component& c, int shift, std::int64_t bin, std::int32_t residual) {
-    const std::int32_t half = 1 << (shift - 1);
-    const int previous = c.axis > 0 ? c.hits >> (c.axis - 1) & 1 : 0;
-    for (int j = 0; j < c.candidate_count; ++j) {
-      if ((c.candidates[j] + half) >> shift != bin || (j > 0 && c.candidates[j] == c.candidates[0])) continue;
-      BitModel& model = models_->hit[std::min(shift, kHitShifts) - 1][j][c.hits_around][c.count_class][previous];
-      if (direction_.bit(model, residual == c.candidates[j])) {
-        c.hits |= static_cast<std::uint8_t>(1 << c.axis);
+  TSC_ALWAYS_INLINE int codeHit(Hot<Direction>& coder, int axis, const Component& c, std::uint32_t& hits, std::int32_t bin, std::int32_t residual) {
+    const std::int32_t half = 1 << (c.shift - 1);
+    const std::uint32_t previous = axis > 0 ? hits >> (axis - 1) & 1 : 0;
+    const int count = std::min(c.count_class + 1, kCandidates);
+    for (int j = 0; j < count; ++j) {
+      const std::int32_t candidate = c.candidates[static_cast<std::size_t>(j)];
+      if ((candidate + half) >> c.shift != bin || (j > 0 && candidate == c.candidates[0])) continue;
+      BitModel& model = models_->hit[std::min(c.shift, kHitShifts) - 1][j][c.hits_around][c.count_class][previous];
+      if (coder.bit(model, residual == candidate)) {
+        hits |= 1u << axis;
         return j;
       }
     }
@@ -117,7 +130,7 @@ class ResidualCoder {
 
   Direction direction_;
   bool exact_hits_;
-  Effort effort_;
+  std::array<int, 3> step_bits_;
   std::unique_ptr<Models> models_;
 };
 

@@ -1,51 +1,62 @@
-// How large a residual is expected to be: bin width and choice of tables (BITSTREAM.md, section 6.6).
+// How large the residual of each component is expected to be: bin width and choice of tables (BITSTREAM.md, section
+// 6.6).
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
 
-#include "frame.h"
-#include "stencil.h"
+#include "lanes.h"
 
 namespace tsc {
 
-inline constexpr int kScaleClasses = 44;
-inline constexpr int kShiftClasses = 20;
+inline constexpr int kScaleClasses = 32;
+inline constexpr int kShiftClasses = 13;
 inline constexpr int kRatioClasses = 15;
-inline constexpr int kMaxMagnitude = 16383;  // stored magnitudes saturate here
+inline constexpr int kCountClasses = 3;         // 1, 2, 3 complete parallelograms
+inline constexpr int kMaxMagnitude = 8191;      // stored magnitudes saturate here
+inline constexpr int kMaxSpread = 1 << 20;
 
-/// What the context of each component is made of, in sixteenths of its step.
-struct Surroundings {
-  std::array<std::uint32_t, 3> residual{};      ///< mean magnitude of the neighbours' residuals
-  std::array<std::uint32_t, 3> disagreement{};  ///< mean distance of the candidates from their average
-  std::uint32_t gate = 0;                       ///< mean magnitude of the gate's components, tangential steps
-  int stencil_count = 0;
+/// What the contexts of a vertex are made of; lanes are components.
+struct Neighbourhood {
+  Integers magnitude;  ///< sum over six neighbours' residuals, in steps
+  Integers spread;     ///< how far candidates lie from the predicted point, or the gate's extents, in 1/128 steps
+  int count_class = 0;
 };
 
-struct ResidualContext {
-  int shift = 0;  ///< a bin spans 2^shift steps
-  int scale = 0;  ///< half octaves of the expected magnitude, 0..kScaleClasses - 1
-  int ratio = 0;  ///< disagreement against the neighbours' residuals, and how many candidates there are
+/// Contexts of the three components.
+struct ResidualContexts {
+  Integers shifts;                              ///< a bin spans 2^shift steps
+  std::array<std::int16_t, 8> scale_and_shift;  ///< half octaves of the expected magnitude; the same shifts
+  std::array<std::int16_t, 8> spread_ratio;     ///< spread against the neighbours' residuals, and the count class
+
+  int scale(int a) const { return scale_and_shift[static_cast<std::size_t>(a)]; }
+  int shift(int a) const { return scale_and_shift[static_cast<std::size_t>(a) + 4]; }
+  int ratio(int a) const { return spread_ratio[static_cast<std::size_t>(a)]; }
 };
 
-inline ResidualContext residualContext(const Surroundings& around, int component) {
-  const std::uint32_t all = ((around.residual[0] + around.residual[1] + around.residual[2]) * 5461u) >> 14;
-  const std::uint32_t own = around.residual[component];
-  const bool several = around.stencil_count > 1;
-  // 1.8 * (0.8 own + 0.2 all) + 0.4 disagreement, and a third of a step against zero.
-  const std::uint32_t expected =
-      5 + ((own * 369 + all * 92 + (several ? around.disagreement[component] * 102 : 0)) >> 8);
-  ResidualContext context;
-  const int width = static_cast<int>(std::bit_width(expected));
-  context.scale = std::min(2 * width + static_cast<int>((expected >> (width - 2)) & 1) - 6, kScaleClasses - 1);
-  context.shift = std::min<int>(std::bit_width(expected / 96 * 2 + 1) - 1, kShiftClasses - 1);
-  const std::uint32_t spread = several ? around.disagreement[component] : around.gate / 4;
-  const std::uint32_t mean = (own * 4 + all) / 5 + 2;
-  const int ratio = (4 * spread >= mean) + (2 * spread >= mean) + (spread >= mean) + (spread >= 2 * mean);
-  context.ratio = ratio + 5 * (std::min(around.stencil_count, 3) - 1);
-  return context;
+TSC_ALWAYS_INLINE ResidualContexts residualContexts(const Neighbourhood& around) {
+  constexpr int kOctave = 1 << 23;
+  const Integers own = around.magnitude;
+  const Integers total = splatInteger(own[0] + own[1] + own[2]);
+  const Integers spread = smaller(around.spread, splatInteger(kMaxSpread));
+  // In 1/800 steps, below 2^24.
+  const Integers expected = (own << 7) + (own << 6) + (total << 4) + spread + (spread << 1) + 256;
+  const Integers size = logarithms(expected);
+  const Integers mean = logarithms((own << 4) + total + 16);
+  const Integers scale = (size - 8 * kOctave) >> 22;
+  const Integers wide_shift = (size - 11 * kOctave - kOctave / 5) >> 23;
+  const Integers ratio = (logarithms(spread + 1) - mean + 3 * kOctave) >> 23;
+  // Below 2^24 there are no more than kShiftClasses.
+  const Integers shift = wide_shift & (Integers)(wide_shift > 0);
+  constexpr Lanes kLast = {kScaleClasses - 1, kScaleClasses - 1, kScaleClasses - 1, 0,
+                           kShiftClasses - 1, kShiftClasses - 1, kShiftClasses - 1, 0};
+  const Lanes ratios = atMost(atLeast(packed(ratio, ratio), Lanes{}), splat(4));
+  ResidualContexts contexts;
+  contexts.shifts = shift;
+  storeLanes(contexts.scale_and_shift.data(), atMost(atLeast(packed(scale, shift), Lanes{}), kLast));
+  storeLanes(contexts.spread_ratio.data(), ratios + static_cast<std::int16_t>(5 * around.count_class));
+  return contexts;
 }
 
 }  // namespace tsc

@@ -254,14 +254,17 @@ class SideFaceCoder {
   IntegerModel index_[3];  ///< by corner
 };
 
-/// Writing: the vertices of a table that no face uses, those at equal positions next to each other.
+/// Writing: the vertices of a table that no face uses, those at equal positions next to each other, new positions by
+/// their rank.
 std::vector<std::uint32_t> unusedVertices(const AssignmentState<Writing>& state, std::uint32_t table) {
   std::vector<std::uint32_t> unused;
   for (std::uint32_t i = 0; i < state.decoded_index[table].size(); ++i) {
     if (state.decoded_index[table][i] == kNone) unused.push_back(i);
   }
   const auto sort_key = [&](std::uint32_t i) {
-    return std::tuple(state.knownPosition(table, i), state.input->table_welded[table][i], i);
+    const std::uint32_t welded = state.input->table_welded[table][i];
+    const std::vector<std::uint64_t>& rank = state.input->welded_rank;
+    return std::tuple(state.knownPosition(table, i), rank.empty() ? 0 : rank[welded], welded, i);
   };
   std::sort(unused.begin(), unused.end(), [&](std::uint32_t a, std::uint32_t b) { return sort_key(a) < sort_key(b); });
   return unused;

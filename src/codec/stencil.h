@@ -1,84 +1,106 @@
 // What is known around a vertex when its position is coded (paper, Figure 1; BITSTREAM.md, section 6.2).
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "frame.h"
+#include "lanes.h"
 #include "surface.h"
 
 namespace tsc {
 
-/// What the position coder remembers of a vertex: half a cache line.
-struct VertexState {
-  Vec3 position{0};                          ///< on the fine lattice
-  std::array<std::uint16_t, 3> magnitude{};  ///< of the residual per component, saturated
-  std::uint8_t hits = 0;                     ///< components that were exactly a candidate's, a bit each
-  std::uint8_t valence = 0;                  ///< faces at the vertex, those of dummies included, saturated
-  Vec3 surprise{0};                          ///< position - average of parallelograms
+inline constexpr int kMaxStencils = 3;
+
+/// What the position coder holds for a position: half a cache line. Until it is coded, `point` holds its stencils.
+struct alignas(32) VertexState {
+  Integers point = {-1, -1, -1, 0};      ///< x y z on the fine lattice, and the valence in lane 3
+  std::array<std::int16_t, 8> memory{};  ///< of how it was coded
+
+  /// Faces at it, those of dummies included.
+  std::int32_t valence() const { return point[3]; }
+  /// Its position from the average of parallelograms, saturated to 16 bits.
+  Integers surprise() const { return widened(memory.data()); }
+  /// Of its residual per component, saturated.
+  Integers magnitude() const { return widened(memory.data() + 4); }
+  /// Components that were exactly a candidate's, a bit each.
+  std::int32_t hits() const { return memory[7]; }
 };
 
-/// A complete parallelogram: gate left-right and base vertex are known, their faces exist.
-struct Stencil {
+/// A complete parallelogram by its face: the face's corner at the vertex itself is number `corner` & 3 of face
+/// `corner` >> 2. The face's other vertices, the gate, are known, and so is the base vertex across.
+struct Stencils {
+  int count = 0;
+  std::array<std::uint32_t, kMaxStencils> corner;  ///< beyond `count` the first again; of a face without a known base
+                                                   ///< where count is 0, kNone if there is no face with a known gate
+  std::int32_t valence = 0;                        ///< faces at the vertex, those of dummies included
+};
+
+/// Numbers of the vertices of a stencil in the order of coding.
+struct Parallelogram {
   std::uint32_t left;
   std::uint32_t right;
   std::uint32_t base;
 };
 
-inline constexpr int kMaxStencils = 4;
+namespace stencil_row {
+inline constexpr int kCountShift = 29;
+inline int count(const Integers& row) { return row[3] >> kCountShift & 3; }
+}
 
-struct Stencils {
-  int count = 0;
-  std::array<Stencil, kMaxStencils + 1> list;  ///< the last only serves the search
-  std::uint32_t neighbour = kNone;             ///< where count is 0: the last known neighbour in that order
-  std::uint8_t valence = 0;                    ///< faces at the vertex, those of dummies included, saturated
-};
-
-/// The complete parallelograms at `vertex`, in counter-clockwise order from `vertex_corner`, the first kMaxStencils.
-/// `known` is 1 for the vertices whose position is known.
-TSC_ALWAYS_INLINE Stencils stencilsAt(const Surface& surface, const std::vector<std::uint8_t>& known,
-                                      std::uint32_t vertex) {
-  Stencils result;
-  const std::uint32_t* const vertices = surface.corner_vertex.data();
-  const std::uint32_t* const opposites = surface.opposite.data();
-  const std::uint32_t start = surface.vertex_corner[vertex];
-  std::uint32_t at_vertex = start;
-  std::uint32_t right_corner = previousCorner(start);
-  std::uint32_t left_corner = nextCorner(start);
-  std::uint32_t left = vertices[left_corner];
-  std::uint8_t left_known = known[left];
-  std::uint32_t count = 0;
-  int valence = 0;
-  do {
-    const std::uint32_t right = vertices[right_corner];
-    const std::uint32_t base = vertices[opposites[at_vertex]];
-    const std::uint8_t right_known = known[right];
-    // Without branches: what is known around a vertex follows no pattern that a processor could learn.
-    result.list[count] = {left, right, base};
-    count += left_known & right_known & known[base] & static_cast<std::uint8_t>(count < kMaxStencils);
-    ++valence;
-    // Across the edge from the vertex to `right`, which is the left vertex of the next face. The corner that faces the
-    // edge there is at the next face's right vertex.
-    right_corner = opposites[left_corner];
-    const std::uint32_t first = right_corner / 3 * 3;
-    at_vertex = right_corner + 1 - 3 * static_cast<std::uint32_t>(right_corner == first + 2);
-    left_corner = 3 * first + 3 - at_vertex - right_corner;
-    left = right;
-    left_known = right_known;
-  } while (at_vertex != start);
-  result.count = static_cast<int>(count);
-  result.valence = static_cast<std::uint8_t>(std::min(valence, 255));
-  if (count == 0) {
-    std::uint32_t corner = start;
-    do {
-      const std::uint32_t neighbour = vertices[previousCorner(corner)];
-      if (known[neighbour]) result.neighbour = neighbour;
-      corner = nextAroundVertex(surface, corner);
-    } while (corner != start);
+/// Enters into the states which stencils each position will have. `corner_time` holds for each corner when the position
+/// at it is coded, kNone for dummies; equal times are one position. A face counts for the last of its three positions,
+/// if its base comes before that, too. The first kMaxStencils in the order of faces are kept. From `count` on, states only
+/// get their valence.
+inline void collectStencils(const Surface& surface, std::span<const std::uint32_t> corner_time, std::uint32_t count,
+                            std::vector<VertexState>& states) {
+  const std::uint32_t faces = surface.faceCount();
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    const std::uint32_t* const time = corner_time.data() + 3 * std::size_t{f};
+    const std::uint32_t early = time[0] < time[1] ? time[0] : time[1];
+    const std::uint32_t late = time[0] < time[1] ? time[1] : time[0];
+    const bool is_third = time[2] > late;
+    const std::uint32_t k = is_third ? 2 : static_cast<std::uint32_t>(time[0] < time[1]);
+    const std::uint32_t last = is_third ? time[2] : late;
+    const std::uint32_t middle = is_third ? late : time[2] > early ? time[2] : early;
+    if (last == kNone) [[unlikely]] {
+      for (int k = 0; k < 3; ++k) {
+        if (time[k] != kNone) ++states[time[k]].point[3];
+      }
+      continue;
+    }
+    for (int i = 0; i < 3; ++i) ++states[time[i]].point[3];
+    if (last >= count) continue;
+    const std::uint32_t base = corner_time[surface.opposite[3 * f + k]];
+    Integers& row = states[last].point;
+    const int stencils = stencil_row::count(row);
+    // Without branches on what follows no pattern that a processor could learn.
+    const bool kept = (stencils < kMaxStencils) & (middle < last);
+    Integers passed;
+    (kept ? row : passed)[stencils & 3] = static_cast<std::int32_t>(f << 2 | k);
+    row[3] += static_cast<std::int32_t>(kept & (base < last)) << stencil_row::kCountShift;
   }
-  return result;
+}
+
+/// The stencils that a state holds until its position is coded.
+inline Stencils stencilsOf(const VertexState& state) {
+  Stencils s;
+  s.count = stencil_row::count(state.point);
+  s.valence = state.point[3] & ((1 << stencil_row::kCountShift) - 1);
+  s.corner[0] = static_cast<std::uint32_t>(state.point[0]);
+  s.corner[1] = s.count > 1 ? static_cast<std::uint32_t>(state.point[1]) : s.corner[0];
+  s.corner[2] = s.count > 2 ? static_cast<std::uint32_t>(state.point[2]) : s.corner[0];
+  return s;
+}
+
+inline Parallelogram parallelogramAt(const Surface& surface, std::span<const std::uint32_t> corner_time,
+                                     std::uint32_t corner) {
+  static constexpr std::array<std::uint8_t, 4> kNext = {1, 2, 0, 0};
+  static constexpr std::array<std::uint8_t, 4> kPrevious = {2, 0, 1, 0};
+  const std::uint32_t first = 3 * (corner >> 2);
+  const std::uint32_t k = corner & 3;
+  return {corner_time[first + kNext[k]], corner_time[first + kPrevious[k]], corner_time[surface.opposite[first + k]]};
 }
 
 }  // namespace tsc

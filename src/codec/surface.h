@@ -14,8 +14,8 @@
 namespace tsc {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
-/// More faces, dummies included, than this would not leave corner numbers enough.
-inline constexpr std::uint32_t kMaxSurfaceFaces = kNone / 3;
+/// Faces, dummies included, are fewer than this: the count of corners at a position fits 29 bits.
+inline constexpr std::uint32_t kMaxSurfaceFaces = (1u << 29) / 3;
 
 inline std::uint32_t nextCorner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 inline std::uint32_t previousCorner(std::uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }

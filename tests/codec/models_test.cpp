@@ -76,7 +76,7 @@ TEST(Models, EverythingComesBack) {
   EntropyReader reader(bytes);
   run(Reading{reader});
   EXPECT_TRUE(reader.atEnd());
-  EXPECT_EQ(reader.state(), kCoderStateMin + 7);
+  EXPECT_EQ(reader.states(), finalStates(7));
 }
 
 TEST(BitModel, LearnsButNeverBecomesCertain) {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "meshes.h"
-#include "stencil.h"
 #include "surface_builders.h"
 
 namespace tsc {
@@ -29,6 +28,16 @@ TEST(Order, VisitsEveryRealVertexOnce) {
   }
 }
 
+/// Complete parallelograms at a vertex, three or more counting alike.
+int parallelogramsAt(const Surface& surface, const std::vector<std::uint8_t>& known, std::uint32_t v) {
+  int count = 0;
+  for (std::uint32_t c = 0; c < surface.corner_vertex.size(); ++c) {
+    count += surface.corner_vertex[c] == v && known[surface.corner_vertex[nextCorner(c)]] &&
+             known[surface.corner_vertex[previousCorner(c)]] && known[surface.corner_vertex[surface.opposite[c]]];
+  }
+  return std::min(count, 3);
+}
+
 TEST(Order, TakesAVertexWithTheMostParallelograms) {
   for (const Surface& surface : {test::torus(8, 7), test::grid(7, 9)}) {
     std::vector<std::uint8_t> known(surface.vertexCount(), 0);
@@ -37,10 +46,9 @@ TEST(Order, TakesAVertexWithTheMostParallelograms) {
       if (count >= 3) {
         int most = 0;
         for (std::uint32_t other = 0; other < surface.vertexCount(); ++other) {
-          if (known[other] || surface.is_dummy[other]) continue;
-          most = std::max(most, std::min(stencilsAt(surface, known, other).count, 3));
+          if (!known[other] && !surface.is_dummy[other]) most = std::max(most, parallelogramsAt(surface, known, other));
         }
-        EXPECT_EQ(std::min(stencilsAt(surface, known, v).count, 3), most) << "vertex number " << count;
+        EXPECT_EQ(parallelogramsAt(surface, known, v), most) << "vertex number " << count;
       }
       known[v] = 1;
       ++count;
@@ -52,6 +60,44 @@ TEST(Order, StopsWhenAsked) {
   int visits = 0;
   visitByDegree(test::torus(5, 5), [&](std::uint32_t) { return ++visits < 7; });
   EXPECT_EQ(visits, 7);
+}
+
+/// Two copies of every third vertex's position.
+PositionMap repeatingMap(const Surface& surface) {
+  PositionMap map;
+  for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
+    const bool repeats = v % 3 == 2 && v > 8;
+    map.vertex_position.push_back(surface.is_dummy[v] ? kNone
+                                  : repeats           ? map.vertex_position[v - 6]
+                                                      : map.position_count++);
+  }
+  return map;
+}
+
+TEST(Order, TimesAreThoseOfPositions) {
+  for (const Surface& surface : {test::torus(8, 7), test::grid(7, 9), test::tetrahedron()}) {
+    PositionMap each;
+    for (const std::uint8_t dummy : surface.is_dummy) {
+      each.vertex_position.push_back(dummy ? kNone : each.position_count++);
+    }
+    for (const PositionMap& map : {each, repeatingMap(surface)}) {
+      for (const Order order : {Order::kTraversal, Order::kDegree}) {
+        const CodingOrder coding = codingOrder(surface, map, order);
+        ASSERT_EQ(coding.corner_time.size(), surface.corner_vertex.size());
+        std::vector<int> taken(map.position_count, 0);
+        for (std::uint32_t time = 0; time < map.position_count; ++time) {
+          ++taken[coding.position.empty() ? time : coding.position[time]];
+        }
+        EXPECT_EQ(taken, std::vector<int>(map.position_count, 1)) << "each position once";
+        for (std::uint32_t c = 0; c < surface.corner_vertex.size(); ++c) {
+          const std::uint32_t v = surface.corner_vertex[c], time = coding.corner_time[c];
+          ASSERT_EQ(time == kNone, surface.is_dummy[v] == 1);
+          if (time == kNone) continue;
+          ASSERT_EQ(coding.position.empty() ? time : coding.position[time], map.vertex_position[v]);
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

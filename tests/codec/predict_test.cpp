@@ -9,32 +9,38 @@
 namespace tsc {
 namespace {
 
+Integers lanes(int x, int y, int z) { return Integers{x, y, z, 0}; }
+
 TEST(Predict, Parallelogram) {
-  EXPECT_EQ(parallelogram({1, 2, 3}, {10, 20, 30}, {4, 5, 6}), Vec3(7, 17, 27));
+  EXPECT_EQ(vectorOf(parallelogram(lanes(1, 2, 3), lanes(10, 20, 30), lanes(4, 5, 6))), Vec3(7, 17, 27));
+}
+
+/// As the position coder calls it: beyond their count, candidates repeat the first.
+Vec3 averageOf(const std::array<Integers, 3>& candidates, int count) {
+  const Integers first = candidates[0];
+  const Integers second = count > 1 ? candidates[1] : first, third = count > 2 ? candidates[2] : first;
+  return vectorOf(average(first, second + third - first - first, count));
 }
 
 TEST(Predict, AverageIsExactWhereAllAgreeAndRoundedElsewhere) {
-  for (int n = 1; n <= kMaxStencils; ++n) {
-    const std::vector<Vec3> same(static_cast<std::size_t>(n), Vec3(123456, -7, 67108864));
-    EXPECT_EQ(average(same.data(), n), same[0]);
-  }
-  const Vec3 pair[2] = {{0, 0, 0}, {10, -10, 7}};
-  EXPECT_EQ(average(pair, 2), Vec3(5, -5, 4)) << "halves up";
+  const Integers same = lanes(123456, -7, 67108864);
+  for (int n = 1; n <= kMaxStencils; ++n) EXPECT_EQ(averageOf({same, same, same}, n), vectorOf(same));
+  EXPECT_EQ(averageOf({lanes(0, 0, 0), lanes(10, -10, 7), lanes(99, 99, 99)}, 2), Vec3(5, -5, 4)) << "halves up";
+  EXPECT_EQ(averageOf({lanes(0, 0, 0), lanes(4, 1, -1), lanes(4, 1, -1)}, 3), Vec3(2, 1, 0)) << "of three, halves up";
   std::mt19937 random(1);
   for (int i = 0; i < 10000; ++i) {
-    const int n = 1 + i % kMaxStencils;
-    Vec3 candidates[kMaxStencils];
-    for (Vec3& c : candidates) {
-      const auto coordinate = [&] { return static_cast<int>(random() % 2000001) - 1000000; };
+    std::array<Integers, 3> candidates;
+    for (Integers& c : candidates) {
+      const auto coordinate = [&] { return static_cast<int>(random() % (6u << 26)) - (3 << 26); };
       const int x = coordinate(), y = coordinate();
-      c = {x, y, coordinate()};
+      c = lanes(x, y, coordinate());
     }
-    const Vec3 mean = average(candidates, n);
+    const Vec3 two = averageOf(candidates, 2), three = averageOf(candidates, 3);
+    EXPECT_EQ(averageOf(candidates, 1), vectorOf(candidates[0]));
     for (int a = 0; a < 3; ++a) {
-      double sum = 0;
-      for (int j = 0; j < n; ++j) sum += candidates[j][a];
-      // The reciprocals of 3, 5 and 6 are rounded to 18 bits.
-      ASSERT_NEAR(mean[a], sum / n, 0.5 + 2e6 * n * 1e-6 * 2) << n;
+      const double first = candidates[0][a], second = candidates[1][a], third = candidates[2][a];
+      ASSERT_EQ(two[a], std::floor((first + second) / 2 + 0.5));
+      ASSERT_EQ(three[a], std::floor((2 * first + second + third) / 4 + 0.5)) << "the first counts twice";
     }
   }
 }
@@ -69,7 +75,7 @@ TEST(Predict, WeightedIsTheParallelogramOnRegularValences) {
   const Vec3 left(0, 0, 0), right(100000, 0, 0), base(50000, -86603, 0);
   const std::int64_t third = kHalfTurn / 3;
   const Vec3 weighted = weightedParallelogram(left, right, base, {third, third, kHalfTurn - 2 * third});
-  const Vec3 expected = parallelogram(left, right, base);
+  const Vec3 expected = left + right - base;
   for (int a = 0; a < 3; ++a) EXPECT_NEAR(weighted[a], expected[a], 400) << "within 0.4% of an edge";
 }
 
@@ -84,25 +90,64 @@ TEST(Predict, WeightedFollowsTheExpectedAngles) {
 
 TEST(Predict, WeightedFallsBackWhereAnglesGiveNoTriangle) {
   const Vec3 left(0, 0, 0), right(1000, 0, 0), base(500, -800, 0);
-  EXPECT_EQ(weightedParallelogram(left, right, base, {kHalfTurn - 256, 256, 0}), parallelogram(left, right, base));
+  EXPECT_EQ(weightedParallelogram(left, right, base, {kHalfTurn - 256, 256, 0}), left + right - base);
 }
 
-TEST(Predict, ExpectedAnglesByValence) {
-  const Surface surface = test::torus(4, 4);
-  std::vector<VertexState> states(surface.vertexCount());
-  for (VertexState& state : states) state.valence = 6;
-  std::vector<std::uint8_t> known(surface.vertexCount(), 0);
-  const Stencil stencil{0, 1, 2};
-  ExpectedAngles angles = expectedAngles(surface, states, known, 6, stencil, false);
+/// A torus whose vertices are coded in the order of their numbers.
+class ExpectedAnglesTest : public testing::Test {
+ protected:
+  ExpectedAnglesTest() : surface_(test::torus(4, 4)), states_(surface_.vertexCount()) {
+    for (std::uint32_t v = 0; v < surface_.vertexCount(); ++v) {
+      states_[v].point = Integers{static_cast<int>(v % 4) * 1000, static_cast<int>(v / 4) * 1000, 0, 6};
+    }
+  }
+  ExpectedAngles expected(std::uint32_t time, std::uint32_t stencil_corner, std::int32_t valence, bool use_known) const {
+    return expectedAngles({surface_, surface_.corner_vertex, states_}, time, stencil_corner, valence, use_known);
+  }
+
+  Surface surface_;
+  std::vector<VertexState> states_;
+};
+
+TEST_F(ExpectedAnglesTest, ByValence) {
+  // Corner 2 of face 0: the gate is 0-1, the vertex 5.
+  ExpectedAngles angles = expected(5, 2, 6, false);
   EXPECT_NEAR(static_cast<double>(angles.left), kHalfTurn / 3.0, 2);
   EXPECT_NEAR(static_cast<double>(angles.right), kHalfTurn / 3.0, 2);
   EXPECT_EQ(angles.left + angles.right + angles.tip, kHalfTurn);
   // Valences 4, 8, 8: pi/2, pi/4, pi/4 already sum to a half turn.
-  states[0].valence = 4;
-  states[1].valence = 8;
-  angles = expectedAngles(surface, states, known, 8, stencil, false);
+  states_[0].point[3] = 4;
+  states_[1].point[3] = 8;
+  angles = expected(5, 2, 8, false);
   EXPECT_EQ(angles.left, kHalfTurn / 2);
   EXPECT_EQ(angles.right, kHalfTurn / 4);
+}
+
+TEST_F(ExpectedAnglesTest, ValencesBeyondAByteMakeNoDifference) {
+  const ExpectedAngles most = expected(5, 2, 255, false), more = expected(5, 2, 1 << 28, false);
+  EXPECT_EQ(most.left, more.left);
+  EXPECT_EQ(most.tip, more.tip);
+  const ExpectedAngles least = expected(5, 2, 3, false), less = expected(5, 2, 1, false);
+  EXPECT_EQ(least.left, less.left);
+}
+
+TEST_F(ExpectedAnglesTest, KnownTrianglesLeaveTheRest) {
+  // All but vertex 10 known, in a plane of squares: at each end of its gate 5-6 two of six angles are left. Those two
+  // are 90 + 45 or 45 + 90 degrees.
+  std::vector<std::uint32_t> time = surface_.corner_vertex;
+  for (std::uint32_t& t : time) t = t == 10 ? 15 : t == 15 ? 10 : t;
+  std::swap(states_[10].point, states_[15].point);
+  std::uint32_t corner = 0;
+  for (std::uint32_t c = 0; c < time.size(); ++c) {
+    if (time[c] == 15 && time[nextCorner(c)] == 5 && time[previousCorner(c)] == 6) corner = (c / 3) << 2 | c % 3;
+  }
+  ASSERT_NE(corner, 0u);
+  const AngleContext context{surface_, time, states_};
+  const ExpectedAngles angles = expectedAngles(context, 15, corner, 6, true);
+  // Left: 360 - 4 known; right likewise; the tip a sixth of a turn.
+  const double left = static_cast<double>(angles.left), right = static_cast<double>(angles.right);
+  EXPECT_EQ(angles.left + angles.right + angles.tip, kHalfTurn);
+  EXPECT_GT(left + right, kHalfTurn / 2.0);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ double roundTrip(const Surface& surface, const std::vector<std::uint32_t>& verte
   EXPECT_EQ(decoded.vertex_position, map.vertex_position);
   EXPECT_EQ(decoded.position_count, map.position_count);
   EXPECT_TRUE(reader.atEnd());
-  EXPECT_EQ(reader.state(), kCoderStateMin + 7);
+  EXPECT_EQ(reader.states(), finalStates(7));
   return writer.bitsSince(0);
 }
 

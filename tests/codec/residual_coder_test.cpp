@@ -4,85 +4,112 @@
 
 #include <random>
 
+#include "format.h"
+
 namespace tsc {
 namespace {
 
 struct Coded {
-  Component component;
-  ResidualContext context;
-  std::int32_t residual;
+  std::array<Component, 3> components;
+  std::array<std::int32_t, 3> residual;
 };
 
-std::vector<Coded> randomResiduals(std::uint32_t seed) {
+std::vector<Coded> randomResiduals(std::uint32_t seed, int fine_bits) {
   std::mt19937 random(seed);
+  const std::int32_t limit = static_cast<std::int32_t>(kResidualLimit >> fine_bits) - (1 << kShiftClasses);
   std::vector<Coded> all;
   for (int i = 0; i < 20000; ++i) {
-    Surroundings around;
-    around.stencil_count = 1 + static_cast<int>(random() % 4);
-    for (int a = 0; a < 3; ++a) {
-      around.residual[a] = (random() % (16 * kMaxMagnitude)) >> random() % 18;
-      around.disagreement[a] = (random() % (1u << 21)) >> random() % 21;
-    }
-    around.gate = random() >> random() % 32;
     Coded coded;
-    coded.component.axis = static_cast<int>(random() % 3);
-    coded.component.count_class = std::min(around.stencil_count, kCountClasses) - 1;
-    coded.component.candidate_count = std::min(around.stencil_count, kCandidates);
-    coded.component.hits_around = static_cast<int>(random() % 3);
-    coded.component.hits = static_cast<std::uint8_t>(random() % 8);
-    coded.context = residualContext(around, coded.component.axis);
-    const auto number = [&] { return static_cast<std::int32_t>(random()) >> (4 + random() % 28); };
-    for (std::int32_t& candidate : coded.component.candidates) candidate = number();
-    coded.residual = random() % 4 == 0 ? coded.component.candidates[0] : number();
+    const auto count_class = static_cast<int>(random() % kCountClasses);
+    for (std::size_t a = 0; a < 3; ++a) {
+      Component& c = coded.components[a];
+      c.count_class = count_class;
+      c.shift = static_cast<int>(random() % kShiftClasses);
+      c.scale = std::min(2 * c.shift + static_cast<int>(random() % 10), kScaleClasses - 1);
+      c.ratio = static_cast<int>(random() % 5) + 5 * count_class;
+      c.first_offset = static_cast<int>(random() % (2 * kMaxOffset + 1)) - kMaxOffset;
+      c.second_offset = static_cast<int>(random() % (2 * kMaxOffset + 1)) - kMaxOffset;
+      c.hits_around = static_cast<int>(random() % 3);
+      c.shares_learn = random() % 4 == 0;
+      const auto number = [&] {
+        const int most = 32 - 4 - fine_bits;
+        return static_cast<std::int32_t>(random()) >> (31 - random() % static_cast<unsigned>(most));
+      };
+      for (std::int32_t& candidate : c.candidates) candidate = number();
+      coded.residual[a] = std::clamp(random() % 4 == 0 ? c.candidates[0] : number(), -limit, limit);
+    }
     all.push_back(coded);
   }
   return all;
 }
 
+/// The three residuals as the position coder codes them: bins, then what lies below those of components without a hit.
+template <class Direction>
+std::array<std::int32_t, 3> code(ResidualCoder<Direction>& coder, Hot<Direction>& hot, const Coded& coded,
+                                 std::uint32_t& hits) {
+  std::array<std::int32_t, 3> value = {coder.template code<0>(hot, coded.components[0], hits, coded.residual[0]),
+                                       coder.template code<1>(hot, coded.components[1], hits, coded.residual[1]),
+                                       coder.template code<2>(hot, coded.components[2], hits, coded.residual[2])};
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (hits >> a & 1) continue;
+    const std::int32_t below = coded.residual[a] - value[a];
+    if (Direction::kWrites) {
+      EXPECT_EQ(below >> coded.components[a].shift, 0) << "the bin holds the residual";
+    }
+    value[a] += static_cast<std::int32_t>(hot.longRaw(static_cast<std::uint64_t>(below), coded.components[a].shift));
+  }
+  return value;
+}
+
 TEST(ResidualCoder, EveryResidualComesBack) {
-  for (const Effort effort : {Effort::kDefault, Effort::kMax}) {
+  for (const int fine_bits : {0, kFineBits}) {
     for (const bool exact_hits : {false, true}) {
-      const std::vector<Coded> all = randomResiduals(5);
+      const std::vector<Coded> all = randomResiduals(5, fine_bits);
       EntropyWriter writer;
-      ResidualCoder<Writing> encoder(Writing{writer}, exact_hits, effort);
-      std::vector<std::uint8_t> hits;
-      for (Coded coded : all) {
-        ASSERT_EQ(encoder.code(coded.component, coded.context, coded.residual), coded.residual);
-        hits.push_back(coded.component.hits);
+      Writing writing{writer};
+      Hot<Writing> hot_writing(writing);
+      ResidualCoder<Writing> encoder(writing, exact_hits, {fine_bits, fine_bits, fine_bits});
+      std::vector<std::uint32_t> all_hits;
+      for (const Coded& coded : all) {
+        std::uint32_t hits = 0;
+        ASSERT_EQ(code(encoder, hot_writing, coded, hits), coded.residual);
+        all_hits.push_back(hits);
       }
+      EXPECT_EQ(std::any_of(all_hits.begin(), all_hits.end(), [](auto h) { return h != 0; }), exact_hits);
       std::vector<std::byte> bytes;
       writer.finish(2, bytes);
       EntropyReader reader(bytes);
-      ResidualCoder<Reading> decoder(Reading{reader}, exact_hits, effort);
+      Reading reading{reader};
+      Hot<Reading> hot_reading(reading);
+      ResidualCoder<Reading> decoder(reading, exact_hits, {fine_bits, fine_bits, fine_bits});
       for (std::size_t i = 0; i < all.size(); ++i) {
-        Component component = all[i].component;
-        ASSERT_EQ(decoder.code(component, all[i].context, 0), all[i].residual) << i;
-        ASSERT_EQ(component.hits, hits[i]) << i;
+        std::uint32_t hits = 0;
+        ASSERT_EQ(code(decoder, hot_reading, all[i], hits), all[i].residual) << i;
+        ASSERT_EQ(hits, all_hits[i]) << i;
       }
+      hot_reading.to(reading);
       EXPECT_TRUE(reader.atEnd());
-      EXPECT_EQ(reader.state(), kCoderStateMin + 2);
+      EXPECT_EQ(reader.states(), finalStates(2));
     }
   }
 }
 
-TEST(ResidualContext, StaysWithinItsRanges) {
-  std::mt19937 random(6);
-  for (int i = 0; i < 200000; ++i) {
-    Surroundings around;
-    around.stencil_count = 1 + static_cast<int>(random() % 6);
-    for (int a = 0; a < 3; ++a) {
-      around.residual[a] = 16 * kMaxMagnitude >> random() % 19;
-      around.disagreement[a] = (1u << 21) >> random() % 22;
-    }
-    around.gate = 0xffffffffu >> random() % 32;
-    for (int a = 0; a < 3; ++a) {
-      const ResidualContext context = residualContext(around, a);
-      ASSERT_GE(context.shift, 0);
-      ASSERT_LT(context.shift, kShiftClasses);
-      ASSERT_GE(context.scale, 0);
-      ASSERT_LT(context.scale, kScaleClasses);
-      ASSERT_GE(context.ratio, 0);
-      ASSERT_LT(context.ratio, kRatioClasses);
+/// Whatever the bytes, residuals stay so small that no later sum overflows.
+TEST(ResidualCoder, HostileBytesStayWithinTheLimit) {
+  std::mt19937 random(7);
+  for (const int fine_bits : {0, kFineBits}) {
+    const std::vector<Coded> all = randomResiduals(6, fine_bits);
+    std::vector<std::byte> bytes(40000);
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+    EntropyReader reader(bytes);
+    Reading reading{reader};
+    Hot<Reading> hot(reading);
+    ResidualCoder<Reading> decoder(reading, false, {fine_bits, fine_bits, fine_bits});
+    for (const Coded& coded : all) {
+      std::uint32_t hits = 0;
+      for (const std::int32_t value : code(decoder, hot, coded, hits)) {
+        ASSERT_LE(std::abs(std::int64_t{value}), (kResidualLimit >> fine_bits) + (1 << kShiftClasses));
+      }
     }
   }
 }

@@ -7,33 +7,77 @@
 namespace tsc {
 namespace {
 
-void expectTable(const BinTable& table) {
-  // Lane 0 counts updates; the others ascend and leave room for a frequency of one for each bin of the window.
-  for (int i = 2; i < kTableBins; ++i) ASSERT_GE(table.below[i], table.below[i - 1]) << i;
-  ASSERT_GE(table.below[1], 0);
-  ASSERT_LE(table.below[kTableBins - 1], kTableTotal);
+/// Cumulative frequencies ascend: with one more for each bin of the window, every bin has a frequency.
+template <int kBins>
+void expectTable(const BinTable<kBins>& table) {
+  int before = 0;
+  for (std::size_t i = 1; i < kBins; ++i) {
+    ASSERT_GE(table.below[i], before) << i;
+    before = table.below[i];
+  }
+  ASSERT_LE(before, kTableTotal);
+  ASSERT_GE(table.below[0], 0) << "the age";
 }
 
-TEST(BinTable, StartsAroundItsCentre) {
-  const BinTable table;
-  expectTable(table);
-  EXPECT_EQ(table.below[0], 0);
-  int largest = 0, at = 0;
-  for (int i = 1; i + 1 < kTableBins; ++i) {
-    const int frequency = table.below[i + 1] - table.below[i];
-    if (frequency > largest) {
-      largest = frequency;
-      at = i;
+template <class Table>
+class BinTables : public testing::Test {};
+using Tables = testing::Types<CentredTable, ShiftedTable>;
+TYPED_TEST_SUITE(BinTables, Tables);
+
+TYPED_TEST(BinTables, StartAroundTheirCentre) {
+  for (const int decay : {6, 19, 44}) {
+    const TypeParam table(decay);
+    expectTable(table);
+    EXPECT_EQ(table.below[0], 0);
+    const std::size_t centre = table.below.size() / 2;
+    const int largest = table.below[centre + 1] - table.below[centre];
+    for (std::size_t i = 1; i + 1 < table.below.size(); ++i) {
+      if (i != centre) {
+        EXPECT_LT(table.below[i + 1] - table.below[i], largest) << i;
+      }
     }
   }
-  EXPECT_EQ(at, kTableCentre);
 }
 
-TEST(BinTable, StaysATableWhateverComes) {
+TEST(BinTable, FirstOnesByHand) {
+  EXPECT_EQ(CentredTable(8).below, (std::array<std::int16_t, 16>{0, 94, 189, 284, 379, 480, 622, 1096, 4226, 28603,
+                                                                31734, 32208, 32350, 32451, 32546, 32641}));
+  EXPECT_EQ(ShiftedTable(42).below[16], 13054);
+}
+
+TEST(BinTable, FirstUpdateByHand) {
+  CentredTable table(8);
+  const CentredTable before = table;
+  table.update(8);
+  for (std::size_t i = 1; i < 16; ++i) {
+    const int target = i > 8 ? kTableTotal : 0;
+    EXPECT_EQ(table.below[i], before.below[i] + ((target - before.below[i]) >> 3));
+  }
+  EXPECT_EQ(table.below[0], 32767 >> 3);
+}
+
+TEST(BinTable, SlowsDownWithAge) {
+  CentredTable table(8);
+  std::vector<int> updates_at_rate(7, 0);
+  for (int i = 0; i < 1000; ++i) {
+    ++updates_at_rate[kAdaptationRates[static_cast<std::size_t>(table.below[0] >> 8)]];
+    table.update(8);
+  }
+  EXPECT_EQ(updates_at_rate, (std::vector<int>{0, 0, 0, 4, 8, 28, 960}));
+}
+
+TYPED_TEST(BinTables, StayTablesWhateverComes) {
   std::mt19937 random(1);
-  BinTable table;
+  TypeParam table(19);
+  const auto bins = static_cast<int>(table.below.size());
   for (int i = 0; i < 1'000'000; ++i) {
-    table.update(static_cast<int>(i / 1000 % 2 == 0 ? random() % kTableBins : i / 5000 % kTableBins));
+    // Noise, one bin over and over, the two ends in turn, and bins in a row.
+    const int phase = i / 1000 % 4;
+    const int bin = phase == 0   ? static_cast<int>(random() % static_cast<unsigned>(bins))
+                    : phase == 1 ? i / 4000 % bins
+                    : phase == 2 ? i % 2 * (bins - 1)
+                                 : i % bins;
+    table.update(bin);
     if (i % 13 == 0) expectTable(table);
     if (testing::Test::HasFailure()) return;
   }
@@ -41,53 +85,77 @@ TEST(BinTable, StaysATableWhateverComes) {
 
 TEST(MixWeights, SharesStayWithinTheirSum) {
   std::mt19937 random(2);
-  for (int experts = 1; experts <= kMaxExperts; ++experts) {
-    MixWeights weights(experts);
-    for (int i = 0; i < 300'000; ++i) {
-      std::array<std::uint32_t, kMaxExperts> frequency{};
-      for (int j = 0; j < experts; ++j) {
-        frequency[static_cast<std::size_t>(j)] =
-            i / 2000 % 2 == 0 ? random() % kTableTotal : (i / 4000 % experts == j ? kTableTotal : 0);
-      }
-      weights.update(frequency);
-      std::uint32_t sum = 0;
-      for (const std::uint32_t share : weights.share) {
-        ASSERT_LE(share, 65535u);
-        sum += share;
-      }
-      ASSERT_LE(sum, 65536u + 4);
+  MixWeights weights;
+  for (unsigned i = 0; i < 600'000; ++i) {
+    std::array<std::uint32_t, kExperts> frequency{};
+    for (unsigned j = 0; j < kExperts; ++j) {
+      const unsigned phase = i / 2000 % 3;
+      frequency[j] = phase == 0   ? static_cast<unsigned>(random()) % kTableTotal
+                     : phase == 1 ? (i / 6000 % kExperts == j ? kTableTotal : 0)
+                                  : 0;
     }
-    for (int j = 0; j < experts; ++j) EXPECT_GT(weights.share[static_cast<std::size_t>(j)], 100u) << "none dies out";
+    weights.update(frequency);
+    std::uint32_t sum = 0;
+    for (const std::uint32_t share : weights.share) {
+      ASSERT_LE(share, 65535u);
+      sum += share;
+    }
+    ASSERT_LE(sum, 65536u + 3);
+  }
+  for (const std::uint32_t share : weights.share) EXPECT_GT(share, 100u) << "none dies out";
+}
+
+struct Step {
+  int bin, first_offset, second_offset;
+  bool mixed, learns;
+};
+
+std::vector<Step> steps(bool adversarial) {
+  std::mt19937 random(3);
+  std::vector<Step> all;
+  for (int i = 0; i < 60000; ++i) {
+    const auto offset = [&] { return static_cast<int>(random() % (2 * kMaxOffset + 1)) - kMaxOffset; };
+    int first = offset(), second = offset();
+    auto bin = static_cast<int>(i % 3 == 0 ? random() % kWindowBins : static_cast<unsigned>(i / 999 % kWindowBins));
+    if (adversarial) {
+      // Long runs of one bin, until all tables have given up all others; then the others.
+      bin = i % 4000 < 3900 ? i / 4000 % 2 * (kWindowBins - 1) : i % kWindowBins;
+      first = second = i / 8000 % 2 == 0 ? kMaxOffset : -kMaxOffset;
+    }
+    all.push_back({bin, first, second, i % 5 != 0, i % 4 != 3});
+  }
+  return all;
+}
+
+template <class Coder>
+void code(Coder& coder, const std::vector<Step>& all) {
+  CentredTable centred(25);
+  ShiftedTable shifted(25);
+  MixWeights weights;
+  for (const Step& s : all) {
+    const int bin = s.mixed ? codeBin<2>(coder, centred, shifted, s.first_offset, s.second_offset, weights, s.learns, s.bin)
+                            : codeBin<1>(coder, centred, s.bin);
+    ASSERT_EQ(bin, s.bin);
   }
 }
 
 TEST(Bin, EveryBinComesBackFromEveryOffset) {
-  std::mt19937 random(3);
-  struct Step {
-    int bin, first_offset, second_offset;
-  };
-  std::vector<Step> steps;
-  for (int i = 0; i < 30000; ++i) {
-    const auto offset = [&] { return static_cast<int>(random() % (2 * kMaxOffset + 1)) - kMaxOffset; };
-    const int first = offset(), second = offset();
-    steps.push_back({static_cast<int>(i % 3 == 0 ? random() % kWindowBins : i / 999 % kWindowBins), first, second});
+  for (const bool adversarial : {false, true}) {
+    const std::vector<Step> all = steps(adversarial);
+    EntropyWriter writer;
+    Writing writing{writer};
+    Hot<Writing> encoder(writing);
+    code(encoder, all);
+    std::vector<std::byte> bytes;
+    writer.finish(1, bytes);
+    EntropyReader reader(bytes);
+    Reading reading{reader};
+    Hot<Reading> decoder(reading);
+    code(decoder, all);
+    decoder.to(reading);
+    EXPECT_TRUE(reader.atEnd());
+    EXPECT_EQ(reader.states(), finalStates(1));
   }
-  const auto run = [&](auto direction) {
-    BinTable common, single;
-    MixWeights weights(3);
-    for (const Step& step : steps) {
-      const Mixture<3> mixture{{&common, &single, &single}, {0, step.first_offset, step.second_offset}};
-      ASSERT_EQ(codeBin<1>(direction, mixture, weights, step.bin), step.bin);
-    }
-  };
-  EntropyWriter writer;
-  run(Writing{writer});
-  std::vector<std::byte> bytes;
-  writer.finish(1, bytes);
-  EntropyReader reader(bytes);
-  run(Reading{reader});
-  EXPECT_TRUE(reader.atEnd());
-  EXPECT_EQ(reader.state(), kCoderStateMin + 1);
 }
 
 }  // namespace

@@ -120,6 +120,16 @@ inline std::vector<Vector> allVectors() {
   anchored.options.anchored = true;
   anchored.options.order = Order::kDegree;
   for (std::size_t i = 0; i < anchored.mesh.tables[0].size(); i += 3) anchored.mesh.tables[0][i] -= 100;
+
+  Vector& least = add("max-lattice", "Effort max in lattice mode, from the average", OwnedMesh(bumpySheet(9, 8)), 1.0 / 64);
+  least.options.order = Order::kTraversal;
+  least.options.effort = Effort::kMax;
+  Vector& most = add("max-tangent", "Effort max in tangent mode; enough vertices that least squares slow down",
+                     OwnedMesh(bumpySheet(20, 16)), 1.0 / 64);
+  most.options.mode = Mode::kTangent;
+  most.options.order = Order::kTraversal;
+  most.options.predictor = Predictor::kAdaptive;
+  most.options.effort = Effort::kMax;
   return all;
 }
 

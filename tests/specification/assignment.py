@@ -3,9 +3,8 @@ from collections import defaultdict
 from itertools import islice
 from math import isqrt
 
-from coding import BitModel, IntegerModel, SymbolModel, cross, dot, require, sub
+from coding import BitModel, IntegerModel, SymbolModel, bits, cross, dot, largest, require, shifted, sub
 from connectivity import next_corner, previous_corner
-from positions import limited, scaled_to
 
 
 # ---------------------------------------------------------------------------- 7.1 References
@@ -216,6 +215,14 @@ class Tables:
         require(number >= 0, "a vertex before the first")
         require(self.positions[table][number] == position, "a vertex at another position")
         return table, number
+
+
+def scaled_to(v, m):
+    return shifted(v, m - bits(largest(v)))
+
+
+def limited(v):
+    return v if largest(v) < 2**24 else scaled_to(v, 24)
 
 
 class Bends:

@@ -58,6 +58,14 @@ def largest(a):
     return max(map(abs, a))
 
 
+def shifted(a, n):
+    return scale(a, 1 << n) if n >= 0 else shift_right(a, -n)
+
+
+def width(a):
+    return max(bits(x if x >= 0 else -x - 1) for x in a)
+
+
 def undo_zigzag(u):
     return u // 2 if u % 2 == 0 else -(u + 1) // 2
 
@@ -70,26 +78,28 @@ class EntropyReader:
     def __init__(self, payload):
         self.payload = payload
         self.position = 0
-        self.state = self.word() << 32
-        self.state |= self.word()
+        self.state = [0, 0, 0]
+        for lane in range(3):
+            high = self.word()
+            self.state[lane] = high << 16 | self.word()
+            require(high > 0, "an initial state below 2^16")
 
     def word(self):
-        require(self.position + 4 <= len(self.payload), "truncated payload")
-        self.position += 4
-        return int.from_bytes(self.payload[self.position - 4:self.position], "little")
+        require(self.position + 2 <= len(self.payload), "truncated payload")
+        self.position += 2
+        return int.from_bytes(self.payload[self.position - 2:self.position], "little")
 
-    def slot(self):
-        return self.state & 32767
+    def slot(self, lane=0):
+        return self.state[lane] & 32767
 
-    def consume(self, start, frequency):
-        self.state = frequency * (self.state >> 15) + self.slot() - start
-        if self.state < 1 << 32:
-            self.state = self.state << 32 | self.word()
+    def consume(self, start, frequency, lane=0):
+        state = frequency * (self.state[lane] >> 15) + self.slot(lane) - start
+        self.state[lane] = state if state >= 1 << 16 else state << 16 | self.word()
 
-    def symbol(self, below):
+    def symbol(self, below, lane=0):
         """The symbol s that owns [below[s], below[s + 1])."""
-        s = bisect_right(below, self.slot()) - 1
-        self.consume(below[s], below[s + 1] - below[s])
+        s = bisect_right(below, self.slot(lane)) - 1
+        self.consume(below[s], below[s + 1] - below[s], lane)
         return s
 
     def raw(self, n):
@@ -100,6 +110,13 @@ class EntropyReader:
             self.consume(part << (15 - m), 1 << (15 - m))
             value += part << done
         return value
+
+    def long_raw(self, n):
+        value = 0
+        while n > 14:
+            value = (value << 14) + self.raw(14)
+            n -= 14
+        return (value << n) + self.raw(n)
 
 
 # ---------------------------------------------------------------------------- 4 Adaptive models

@@ -137,7 +137,7 @@ class Header:
             self.triangle_counts.append(fields.varint(2**29, "triangle count"))
         self.surface_vertices = sum(self.vertex_counts) + fields.signed_varint()
         self.surface_faces = 2 * (self.surface_vertices - fields.signed_varint())
-        most = min(4 * sum(self.triangle_counts), 1431655765)
+        most = min(4 * sum(self.triangle_counts), 2**29 // 3)
         require(0 <= self.surface_faces <= most, "number of faces out of range")
         require(0 <= self.surface_vertices <= 3 * self.surface_faces, "number of vertices out of range")
 
@@ -260,13 +260,14 @@ def decode(stream, byte_limit=2**31):
     numbers, position_count = decode_references(header, surface, reader)
     points = decode_positions(header, surface, numbers, position_count, reader)
     tables, triangles, position_count = decode_assignment(header, surface, numbers, points, reader)
-    points += decode_extra_positions(position_count - len(points), reader)
+    points += decode_extra_positions(header, position_count - len(points), reader)
     require(reader.position == len(reader.payload), "trailing data")
 
     outputs = [positions_output(header, [points[x] for x in table]) for table in tables]
     outputs += [indices_output(index_type, indices) for index_type, indices in zip(header.index_types, triangles)]
     checksum = checksum_of(stream[:header.size], outputs)
-    require(reader.state == 2**32 + checksum, "checksum mismatch")
+    final = [2**16 + checksum % 2**16, 2**16 + (checksum >> 16), 2**16]
+    require(reader.state == final, "checksum mismatch")
     return Mesh(header, outputs, checksum)
 
 

@@ -1,13 +1,14 @@
-"""Lattice positions of the surface's vertices: BITSTREAM.md, section 6."""
+"""Lattice positions of the surface's positions: BITSTREAM.md, section 6."""
 from collections import defaultdict, deque
-from itertools import islice
 from math import isqrt
 
-from coding import (BitModel, IntegerModel, add, add_to_each, bits, clamp, cross, dot, largest, scale, shift_right,
-                    sign, sub)
-from connectivity import previous_corner
+from coding import (BitModel, IntegerModel, add, add_to_each, bits, clamp, cross, dot, largest, scale,
+                    shift_right, shifted, sign, sub, undo_zigzag, width)
+from connectivity import next_corner, previous_corner
+from mixed import MixedResiduals, arc_of
 
 PARALLELOGRAM, WEIGHTED, VALENCE, AVERAGE, ADAPTIVE = range(5)
+INFINITE = float("inf")
 
 
 # ---------------------------------------------------------------------------- 6.1 The lattice
@@ -23,8 +24,8 @@ def steps_of(header):
 
 # ---------------------------------------------------------------------------- 6.2 Order and stencils
 
-class VertexState:
-    """What is kept of a known vertex."""
+class State:
+    """What is kept of a known position."""
 
     def __init__(self, valence):
         self.valence = valence
@@ -34,18 +35,14 @@ class VertexState:
         self.surprise = (0, 0, 0)
 
 
-def traverse(surface, decode):
-    """Order 0."""
-    for v in surface.real_vertices():
-        decode(v)
-
-
 class DegreeOrder:
     """Order 1: vertices with the most parallelograms first."""
 
-    def __init__(self, surface, decode):
+    def __init__(self, surface, numbers):
         self.surface = surface
-        self.decode = decode
+        self.numbers = numbers
+        self.places = []                           # position numbers in the order of decoding
+        self.placed = set()
         self.met = [False] * surface.vertex_count()
         self.taken = list(surface.is_dummy)
         self.degree = [0] * surface.vertex_count()
@@ -68,18 +65,24 @@ class DegreeOrder:
                 if not self.taken[w] and self.degree[w] == d:
                     self.take(w)
                     d = 3
+        return self.places
 
     def gain(self, v):
         if not self.taken[v] and self.degree[v] < 3:
             self.degree[v] += 1
             self.queues[self.degree[v]].append(v)
 
+    def place(self, position):
+        if position not in self.placed:
+            self.placed.add(position)
+            self.places.append(position)
+
     def take(self, v):
         if self.taken[v]:
             return
         surface, met = self.surface, self.met
         self.taken[v] = met[v] = True
-        self.decode(v)
+        self.place(self.numbers[v])
         for c in surface.walk(v):
             a, b = surface.next_vertex(c), surface.previous_vertex(c)
             beyond = surface.opposite_vertex(previous_corner(c))
@@ -90,24 +93,59 @@ class DegreeOrder:
                 self.gain(b)
 
 
-class Prediction:
-    """All that sections 6.3 to 6.6 derive from the stencils of one vertex."""
+class Around:
+    """What a position finds around it: corners that face the gates of its stencils, and its valence."""
 
-    def __init__(self, stencils, gate, valence):
+    def __init__(self):
+        self.list = []
+        self.last_gate = None
+        self.valence = 0
+
+
+def collect_stencils(surface, time, position_count):
+    """By time."""
+    all_around = [Around() for _ in range(position_count)]
+    for f in range(surface.face_count()):
+        times = [time[3 * f + k] for k in range(3)]
+        for t in times:
+            if t != INFINITE:
+                all_around[t].valence += 1
+        if INFINITE in times:
+            continue
+        k = 2 if times[2] > max(times[:2]) else int(times[1] > times[0])
+        c, t = 3 * f + k, times[k]
+        around = all_around[t]
+        if times.count(t) > 1 or len(around.list) == 3:
+            continue
+        around.last_gate = c
+        if time[surface.opposite[c]] < t:
+            around.list.append(c)
+    return all_around
+
+
+class Prediction:
+    """All that sections 6.3 to 6.6 derive from the stencils of one position."""
+
+    def __init__(self, time, corner, stencils, valence):
+        self.time = time
+        self.corner = corner                   # of the first stencil
         self.stencils = stencils               # triples of states (left, right, base)
-        self.gate = gate                       # the vertices left and right of the first stencil
         self.valence = valence
         self.n = len(stencils)
-        self.model_class = min(self.n, 3) - 1  # `class`
+        self.model_class = self.n - 1          # `class`
         self.left, self.right, self.base = (state.position for state in stencils[0])
         self.candidates = [sub(add(left.position, right.position), base.position) for left, right, base in stencils]
-        total = (0, 0, 0)
-        for candidate in self.candidates[1:]:
-            total = add(total, sub(candidate, self.candidates[0]))
-        reciprocal = (262144, 131072, 87381, 65536)[self.n - 1]
-        mean_offset = shift_right(add_to_each(scale(total, reciprocal), 2**17), 18)
-        self.mean = add(self.candidates[0], mean_offset)
-        self.point = self.frame = self.offset = self.local_candidates = None
+        self.mean = self.mean_of(*self.candidates)
+        self.point = self.frame = self.around = self.offset = None
+
+    @staticmethod
+    def mean_of(first, second=None, third=None):
+        if second is None:
+            return first
+        if third is None:
+            return add(first, shift_right(add_to_each(sub(second, first), 1), 1))
+        both = sub(add(second, third), scale(first, 2))
+        return add(first, shift_right(add_to_each(both, 2), 2))
 
 
 # ---------------------------------------------------------------------------- 6.3 Predictors
@@ -154,7 +192,7 @@ def inner_angle(tip, a, b):
 
 
 def by_valence(valence):
-    return 65536 // max(valence, 3)
+    return 65536 // clamp(valence, 3, 255)
 
 
 def weighted(prediction, gate_angles):
@@ -181,144 +219,165 @@ def weighted(prediction, gate_angles):
 
 # ---------------------------------------------------------------------------- 6.4 Frames
 
-DEFAULT_FRAME = ((16384, 0, 0), (0, 16384, 0), (0, 0, 16384))
+DEFAULT_FRAME = ((8192, 0, 0), (0, 8192, 0), (0, 0, 8192))
 
 
-def scaled_to(v, m):
-    s = m - bits(largest(v))
-    return scale(v, 1 << s) if s >= 0 else shift_right(v, -s)
-
-
-def limited(v):
-    return v if largest(v) < 2**24 else scaled_to(v, 24)
+def scaled(v):
+    return shifted(v, 14 - width(v))
 
 
 def unit(v):
-    if not any(v):
-        return v
-    w = scaled_to(v, 24)
-    r = 2**44 // isqrt(dot(w, w))
-    return shift_right(add_to_each(scale(w, r), 2**29), 30)
-
-
-def cross_unit(a, b):
-    return shift_right(add_to_each(cross(a, b), 2**13), 14)
+    i = dot(v, v) >> 19
+    root = isqrt((2 * i + 1) << 18)
+    return shift_right(scale(v, 2**28 // root), 15)
 
 
 def frame_at(prediction, is_tip_aligned):
     """The axes normal, first and second."""
     left, right, base = prediction.left, prediction.right, prediction.base
-    normal = unit(cross(limited(sub(left, right)), limited(sub(base, right))))
-    if not any(normal):
+    gate = scaled(sub(left, right))
+    across = cross(gate, scaled(sub(base, right)))
+    if not any(across):
         return DEFAULT_FRAME
+    normal = unit(scaled(across))
     if not is_tip_aligned:
-        first = unit(limited(sub(left, right)))
-        return normal, first, cross_unit(normal, first)
-    second = unit(cross(normal, limited(sub(prediction.point, base))))
-    if not any(second):
+        first = unit(gate)
+        return normal, first, shift_right(cross(normal, first), 13)
+    upright = cross(normal, scaled(sub(prediction.point, base)))
+    if not any(upright):
         return DEFAULT_FRAME
-    return normal, cross_unit(second, normal), second
+    second = unit(scaled(upright))
+    return normal, shift_right(cross(second, normal), 13), second
 
 
 def to_lattice(frame, local):
-    return tuple((dot(axis, local) + 2**13) >> 14 for axis in zip(*frame))
+    return tuple((dot(axis, local) + 2**12) >> 13 for axis in zip(*frame))
 
 
-def to_local(frame, d):
-    return tuple((dot(axis, d) + 2**13) >> 14 for axis in frame)
+# ---------------------------------------------------------------------------- 6.5 Displacements and the adaptive offset
 
+class VectorsAround:
+    """Vectors around a position, and where its candidates lie."""
 
-# ---------------------------------------------------------------------------- 6.5 The adaptive offset
+    def __init__(self, p, is_tangent):
+        left, right, base = p.stencils[0]
+        first, second = (sub(candidate, p.point) for candidate in (p.candidates[0], p.candidates[:2][-1]))
+        vectors = [left.surprise, right.surprise, base.surprise, first,
+                   shift_right(add(sub(p.left, p.base), sub(p.right, p.base)), 1), sub(p.left, p.right), second]
+        self.e = 12 - max(map(width, vectors))
+        common = [shifted(v, self.e) for v in vectors]
+        if is_tangent:
+            self.near = [tuple(sum((m * x) >> 16 for m, x in zip(axis, v)) for axis in p.frame) for v in common]
+            self.displacements = [shifted(self.near[i], 3 - self.e) for i in (3, 6)]
+        else:
+            self.near = [shift_right(v, 3) for v in common]
+            self.displacements = [first, second]
+
 
 class AdaptiveOffset:
     """A sum of features, weighted by sign-sign LMS."""
 
     def __init__(self):
         self.weight = defaultdict(lambda: [0] * 8)  # by class and component
-        self.local = None
+        self.features = None
 
     def offset(self, p):
-        left, right, base = p.stencils[0]
-        height = tuple(int(x / 2) for x in add(sub(p.left, p.base), sub(p.right, p.base)))
-        features = [left.surprise, right.surprise, base.surprise, sub(p.candidates[0], p.mean), height, height,
-                    sub(p.left, p.right), height]
-        factors = [4, 4, 4, 4, 4, clamp(p.valence - 6, -12, 12), clamp(left.valence - right.valence, -12, 12),
-                   clamp(left.valence + right.valence - base.valence - 6, -12, 12)]
-        common = 12 - max(bits(x if x >= 0 else -x - 1) for feature in features for x in feature)
-        scaled = [scale(f, 1 << common) if common >= 0 else shift_right(f, -common) for f in features]
-        self.local = [[factor * sum((x * y) >> 16 for x, y in zip(feature, axis))
-                       for factor, feature in zip(factors, scaled)] for axis in p.frame]
-        shift = 13 + common
+        near = p.around.near
+        left, right, base = (state.valence for state in p.stencils[0])
+        self.features = [scale(near[i], 4) for i in range(5)]
+        self.features.append(scale(near[4], clamp(p.valence - 6, -12, 12)))
+        self.features.append(scale(near[5], clamp(left - right, -12, 12)))
+        self.features.append(scale(near[4], clamp(left + right - base - 6, -12, 12)))
+        shift = max(14 + p.around.e, 0)
         offset = []
         for a in range(3):
-            total = dot(self.weight[p.model_class, a], self.local[a])
-            value = (total + (1 << (shift - 1))) >> shift if shift > 0 else total << -shift
+            total = sum(w * feature[a] for w, feature in zip(self.weight[p.model_class, a], self.features))
+            value = (total + (1 << (shift - 1))) >> shift if shift > 0 else total
             offset.append(clamp(value, -2**26, 2**26))
         return tuple(offset)
 
-    def learn(self, p, a, residual):
-        weight = self.weight[p.model_class, a]
-        for i in range(8):
-            w = weight[i] + 16 * sign(residual) * sign(self.local[a][i])
-            if abs(w) <= 8000:
-                weight[i] = w
+    def learn(self, p, residual):
+        for a in range(3):
+            weight = self.weight[p.model_class, a]
+            for i, feature in enumerate(self.features):
+                weight[i] = clamp(weight[i] + 64 * sign(residual[a]) * sign(feature[a]), -32768, 32767)
 
 
 # ---------------------------------------------------------------------------- 6.6 Residuals
 
+def log(x):
+    """2^23 times the binary logarithm, linear between powers of two."""
+    e = bits(x) - 1
+    return (e << 23) + ((x - (1 << e)) << (23 - e))
+
+
 class BinTable:
     TOTAL = 32736
-    INITIAL = [0, 32, 66, 104, 149, 203, 273, 368, 504, 703, 1006, 1472, 2201, 3351, 5174, 8073, 12695, 20072, 24694,
-               27593, 29416, 30566, 31295, 31762, 32064, 32264, 32399, 32494, 32564, 32618, 32663, 32701]
+    DECAYS = (6, 8, 11, 15, 19, 25, 31, 38, 44, 42)
 
-    def __init__(self):
-        self.below = list(self.INITIAL)
-        self.count = 0
+    def __init__(self, bins, scale_class):
+        decay = self.DECAYS[min(scale_class, 9)]
+        weights = []
+        for i in range(bins):
+            x = 2**14
+            for _ in range(abs(i - bins // 2)):
+                x = decay * x // 64
+            weights.append(64 + x)
+        self.below = [self.TOTAL * sum(weights[:i]) // sum(weights) for i in range(bins)]
+        self.age = 0
 
     def update(self, bin_):
-        rate = 3 + (self.count >= 4) + (self.count >= 12) + (self.count >= 40)
-        for i in range(1, 32):
+        rate = 3 + (self.age >= 13312) + (self.age >= 21248) + (self.age >= 27904)
+        for i in range(1, len(self.below)):
             self.below[i] += ((self.TOTAL if i > bin_ else 0) - self.below[i]) >> rate
-        self.count = min(self.count + 1, 63)
+        self.age += (32767 - self.age) >> rate
 
-    def window(self, offset):
-        return [0] + [self.below[i + 8 - offset] for i in range(1, 16)] + [self.TOTAL]
+    def window(self, start):
+        return [0] + self.below[start + 1:start + 16] + [self.TOTAL]
 
 
-class Mixture:
-    """Shares of the experts of a class and component."""
+class Shares:
+    """Of the experts of a class and component."""
 
-    def __init__(self, expert_count):
-        self.share = [65535 // expert_count] * expert_count
-        self.least = 2048 // expert_count
+    def __init__(self):
+        self.share = [21845] * 3
 
-    def get(self, windows, reader):
-        """A bin, and what each expert has given it."""
-        below = [0] + [i + sum((w[i] * share) >> 16 for w, share in zip(windows, self.share)) for i in range(1, 16)]
-        b = reader.symbol(below + [32768])
-        given = [w[b + 1] - w[b] for w in windows]
-        part = [(g * share) >> 8 for g, share in zip(given, self.share)]
-        r = (2**32 - 1) // (1 + sum(part))
-        for j in range(len(windows)):
-            p = (part[j] * r) >> 16
-            target = p - (p >> 5) + self.least
+    def mixed(self, windows):
+        below = [i + sum((w[i] * share) >> 16 for w, share in zip(windows, self.share)) for i in range(16)]
+        return below + [32768]
+
+    def learn(self, given):
+        part = [(g * share) >> 16 for g, share in zip(given, self.share)]
+        r = 2**31 // (1 + sum(part))
+        for j in range(3):
+            p = (part[j] * r) >> 15
+            target = p - (p >> 5) + 682
             self.share[j] += (target - self.share[j]) >> 6
-        return b, given
 
 
 class Context:
-    """The context of one component."""
+    """The context of one component, and where the candidates lie in it."""
 
-    def __init__(self, p, around, a, spread, gate_length):
-        everywhere = ((around[0] + around[1] + around[2]) * 5461) >> 14  # `all`
-        expected = 5 + ((369 * around[a] + 92 * everywhere + (102 * spread if p.n >= 2 else 0)) >> 8)
-        w = bits(expected)
-        self.scale = min(2 * w + ((expected >> (w - 2)) & 1) - 6, 43)
-        self.shift = min(bits(expected // 96), 19)
-        s = spread if p.n >= 2 else gate_length >> 2
-        t = (4 * around[a] + everywhere) // 5 + 2
-        self.ratio = (4 * s >= t) + (2 * s >= t) + (s >= t) + (s >= 2 * t) + 5 * (min(p.n, 3) - 1)
+    def __init__(self, p, a, fine_bits, step):
+        stencils = (p.stencils * 2)[:2]
+        magnitudes = [sum(state.magnitude[i] for stencil in stencils for state in stencil) for i in range(3)]
+        own, total = magnitudes[a], sum(magnitudes)
+        if p.n == 1:
+            s = sum(abs(x) >> 2 for x in sub(p.left, p.right))
+        else:
+            s = sum(abs(d[a]) for d in p.around.displacements)
+        spread = min(s, 4096) << (6 - fine_bits)
+        expected = 192 * own + 16 * total + 3 * spread + 256
+        self.scale = (log(expected) - (8 << 23)) >> 22
+        self.shift = max(0, (log(expected) - (11 << 23) - 1677721) >> 23)
+        ratio = (log(spread + 1) - log(16 * own + total + 16) + (3 << 23)) >> 23
+        self.ratio = clamp(ratio, 0, 4) + 5 * p.model_class
         self.half = (1 << self.shift) >> 1
+        self.candidates = [d[a] - p.offset[a] for d in p.around.displacements]
+        m = self.shift + bits(step) - 1
+        whole = bits(step) - 1
+        self.hit_at = [(c + ((1 << whole) >> 1)) >> whole for c in self.candidates]
+        self.bins = [clamp((c + ((1 << m) >> 1)) >> m, -8, 8) for c in self.candidates]
 
 
 class ResidualReader:
@@ -326,83 +385,68 @@ class ResidualReader:
         self.header = header
         self.reader = reader
         self.step = steps_of(header)
-        self.base, self.single, self.wide = defaultdict(BinTable), defaultdict(BinTable), defaultdict(BinTable)
-        self.mixtures = {}
+        self.centred, self.shifted = {}, {}
+        self.shares = defaultdict(Shares)
         self.beyond, self.hit = defaultdict(IntegerModel), defaultdict(BitModel)
 
-    def candidates_of(self, p):
-        """Candidates in local coordinates, C[j]."""
-        if not self.header.is_tangent:
-            return [sub(candidate, p.point) for candidate in p.candidates[:2]]
-        local = [to_local(p.frame, sub(p.candidates[0], p.point))]
-        if p.n == 2 and p.point == p.mean:
-            local.append(scale(local[0], -1))
-        elif p.n >= 2:
-            local.append(to_local(p.frame, sub(p.candidates[1], p.point)))
-        return local
+    def get(self, p, state):
+        """The residual of a position."""
+        residual, wanting = [0, 0, 0], [0, 0, 0]
+        for a in range(3):
+            context = Context(p, a, self.header.fine_bits, self.step[a])
+            value = self.value(p, a, context)
+            if self.header.exact_hits and context.shift > 0:
+                exact = self.exact_hit(p, a, context, value, state)
+                if exact is not None:
+                    residual[a] = exact
+                    continue
+            residual[a] = (value << context.shift) - context.half
+            wanting[a] = context.shift
+        low = self.reader.long_raw(sum(wanting))
+        residual[0] += low >> (wanting[1] + wanting[2])
+        residual[1] += (low >> wanting[2]) % (1 << wanting[1])
+        residual[2] += low % (1 << wanting[2])
+        return residual
 
-    def in_steps(self, x, a):
-        m = ((2 * abs(x) + self.step[a]) * (2**31 // self.step[a])) >> 32
-        return m if x >= 0 else -m
+    def value(self, p, a, context):
+        b = self.bin(p, a, context)
+        limit = 2**28 >> (context.shift + bits(self.step[a]) - 1)
+        value = b - 8
+        if b == 0:
+            value = max(value - self.beyond[context.shift].get(self.reader), -limit)
+        elif b == 15:
+            value = min(value + self.beyond[context.shift].get(self.reader), limit)
+        return value
 
-    def context(self, p, a):
-        def magnitude(stencil, component):
-            return sum(state.magnitude[component] for state in stencil)
-
-        spread = gate_length = None
+    def bin(self, p, a, context):
+        key = a, context.scale, context.ratio
+        if key not in self.centred:
+            self.centred[key] = BinTable(16, context.scale)
+        centred = self.centred[key]
         if p.n == 1:
-            around = [(5461 * magnitude(p.stencils[0], i)) >> 10 for i in range(3)]
-            length = sum(abs(x) for x in sub(p.left, p.right))
-            gate_length = (((16 * length) >> self.header.fine_bits) * 5461) >> 14
-        else:
-            around = [(2731 * (magnitude(p.stencils[0], i) + magnitude(p.stencils[1], i))) >> 10 for i in range(3)]
-            first, second = (abs(local[a]) for local in p.local_candidates)
-            spread = min(((first + second) * (65536 // self.step[a])) >> 13, 2**21)
-        return Context(p, around, a, spread, gate_length)
-
-    def get(self, p, a, state):
-        """The residual of component a."""
-        context = self.context(p, a)
-        candidates = [self.in_steps(local[a] - p.offset[a], a) for local in p.local_candidates]
-        value = self.bin(p, a, context, candidates) - 8
-        if value == -8:
-            value -= self.beyond[context.shift].get(self.reader)
-        elif value == 7:
-            value += self.beyond[context.shift].get(self.reader)
-        if context.shift == 0:
-            return clamp(value, -2**28, 2**28)
-        if self.header.exact_hits:
-            exact = self.exact_hit(p, a, context, candidates, value, state)
-            if exact is not None:
-                return exact
-        low = self.reader.raw(context.shift)
-        return clamp((value << context.shift) + low - context.half, -2**28, 2**28)
-
-    def bin(self, p, a, context, candidates):
-        experts = [(self.base[a, context.shift, context.ratio], 0)]
-        if self.header.is_max_effort:
-            experts.append((self.wide[a, context.scale], 0))
-        general = len(experts)
-        if p.n >= 2:
-            single = self.single[a, context.scale]
-            experts += [(single, clamp((c + context.half) >> context.shift, -8, 8)) for c in candidates]
-        if (p.model_class, a) not in self.mixtures:
-            self.mixtures[p.model_class, a] = Mixture(len(experts))
-        windows = [table.window(offset) for table, offset in experts]
-        b, given = self.mixtures[p.model_class, a].get(windows, self.reader)
-        learning = experts[:general]
-        if p.n >= 2:
-            learning.append(experts[general if given[general] >= given[general + 1] else general + 1])
-        for table, offset in learning:
-            table.update(clamp(b + 8 - offset, 0, 31))
+            b = self.reader.symbol([i + t for i, t in enumerate(centred.below)] + [32768], a)
+            centred.update(b)
+            return b
+        key = a, context.scale
+        if key not in self.shifted:
+            self.shifted[key] = BinTable(32, context.scale)
+        table = self.shifted[key]
+        windows = [centred.window(0)] + [table.window(8 - o) for o in context.bins]
+        shares = self.shares[p.model_class, a]
+        b = self.reader.symbol(shares.mixed(windows), a)
+        given = [w[b + 1] - w[b] for w in windows]
+        if p.time % 4 == a:
+            shares.learn(given)
+        centred.update(b)
+        table.update(b + 8 - context.bins[given[2] > given[1]])
         return b
 
-    def exact_hit(self, p, a, context, candidates, value, state):
+    def exact_hit(self, p, a, context, value, state):
         left, right, _ = p.stencils[0]
         around_hits = (left.hits >> a & 1) + (right.hits >> a & 1)
         before = state.hits >> (a - 1) & 1 if a > 0 else 0
-        for j, candidate in enumerate(candidates):
-            if (candidate + context.half) >> context.shift != value or (j == 1 and candidate == candidates[0]):
+        for j, candidate in enumerate(context.hit_at[:p.n]):
+            if (candidate + context.half) >> context.shift != value or (j == 1 and candidate == context.hit_at[0]):
                 continue
             if self.hit[min(context.shift, 8) - 1, j, around_hits, p.model_class, before].get(self.reader):
                 state.hits |= 1 << a
@@ -414,66 +458,62 @@ class ResidualReader:
 
 class Positions:
     def __init__(self, header, surface, numbers, position_count, reader):
-        self.header, self.surface, self.numbers, self.reader = header, surface, numbers, reader
-        self.states = [None] * position_count
+        self.header, self.surface, self.reader = header, surface, reader
+        self.places = DegreeOrder(surface, numbers).run() if header.is_degree_order else range(position_count)
+        time_of = {position: time for time, position in enumerate(self.places)}
+        self.time = [time_of.get(numbers[v], INFINITE) for v in surface.vertex]  # by corner
+        self.around = collect_stencils(surface, self.time, position_count)
+        self.states = []                           # by time
         self.step = steps_of(header)
         self.residuals = ResidualReader(header, reader)
+        self.mixed = MixedResiduals(header, self.step, reader)
         self.adaptive = AdaptiveOffset()
         self.free = [IntegerModel() for _ in range(3)]
-        self.last = (0, 0, 0)
 
     def run(self):
-        if self.header.is_degree_order:
-            DegreeOrder(self.surface, self.decode).run()
-        else:
-            traverse(self.surface, self.decode)
-        return [state.position for state in self.states]
+        """Points by position number."""
+        points = [None] * len(self.places)
+        for time, position in enumerate(self.places):
+            state = State(self.around[time].valence)
+            self.decode(time, state)
+            self.states.append(state)
+            points[position] = state.position
+        return points
 
-    def known(self, v):
-        """The state of a vertex, none before it is known."""
-        return None if self.numbers[v] is None else self.states[self.numbers[v]]
+    def known(self, c):
+        """The state of the position at a corner, none before it is known."""
+        return self.states[self.time[c]] if self.time[c] < len(self.states) else None
 
-    def decode(self, v):
-        if self.known(v):
+    def decode(self, time, state):
+        around = self.around[time]
+        if not around.list:
+            self.decode_free(around, state)
             return
-        stencils, gate, neighbour, valence = self.stencils(v)
-        state = VertexState(valence)
-        if stencils:
-            self.decode_by_stencils(Prediction(stencils, gate, valence), state)
-        else:
-            self.decode_free(neighbour, state)
-        self.last = state.position
-        self.states[self.numbers[v]] = state
-
-    def stencils(self, v):
-        stencils, gate, neighbour, valence = [], None, None, 0
-        for c in self.surface.walk(v):
-            ends = self.surface.next_vertex(c), self.surface.previous_vertex(c)
-            left, right = map(self.known, ends)
-            base = self.known(self.surface.opposite_vertex(c))
-            if right:
-                neighbour = right
-                if left and base and len(stencils) < 4:
-                    gate = gate or ends
-                    stencils.append((left, right, base))
-            valence += 1
-        return stencils, gate, neighbour, min(valence, 255)
-
-    def decode_by_stencils(self, p, state):
-        header = self.header
+        corners = arc_of(self.surface, self.time, around.list) if self.header.is_max_effort else around.list
+        stencils = [(self.known(next_corner(c)), self.known(previous_corner(c)), self.known(self.surface.opposite[c]))
+                    for c in corners]
+        p = Prediction(time, corners[0], stencils, around.valence)
         p.point = self.point(p)
-        p.frame = frame_at(p, header.is_tip_aligned) if header.is_tangent else DEFAULT_FRAME
+        p.frame = frame_at(p, self.header.is_tip_aligned) if self.header.is_tangent else DEFAULT_FRAME
+        if self.header.is_max_effort:
+            is_centred = self.header.predictor == ADAPTIVE
+            residual = self.mixed.decode(self.surface, self.known, corners, p, is_centred, state)
+        else:
+            residual = self.residual(p, state)
+        local = [o + r * step for o, r, step in zip(p.offset, residual, self.step)]
+        state.position = on_lattice(add(p.point, to_lattice(p.frame, local) if self.header.is_tangent else local))
+        state.magnitude = [min(abs(r), 8191) for r in residual]
+        state.surprise = tuple(clamp(x, -32768, 32767) for x in sub(state.position, p.mean))
+
+    def residual(self, p, state):
+        """By sections 6.5 and 6.6."""
+        header = self.header
+        p.around = VectorsAround(p, header.is_tangent)
         p.offset = self.adaptive.offset(p) if header.predictor == ADAPTIVE else (0, 0, 0)
-        p.local_candidates = self.residuals.candidates_of(p)
-        local = []
-        for a in range(3):
-            residual = self.residuals.get(p, a, state)
-            state.magnitude[a] = min(abs(residual), 16383)
-            if header.predictor == ADAPTIVE and residual != 0:
-                self.adaptive.learn(p, a, residual)
-            local.append(clamp(p.offset[a] + residual * self.step[a], -2**28, 2**28))
-        state.position = on_lattice(add(p.point, to_lattice(p.frame, local) if header.is_tangent else local))
-        state.surprise = sub(state.position, p.mean)
+        residual = self.residuals.get(p, state)
+        if header.predictor == ADAPTIVE:
+            self.adaptive.learn(p, residual)
+        return residual
 
     def point(self, p):
         """The predicted point (section 6.3)."""
@@ -483,23 +523,31 @@ class Positions:
             return p.mean
         angles = [by_valence(state.valence) for state in p.stencils[0][:2]]
         if self.header.predictor == WEIGHTED:
-            angles = [self.remaining(g, angle) for g, angle in zip(p.gate, angles)]
+            gate = next_corner(p.corner), previous_corner(p.corner)
+            angles = [self.remaining(g, angle) for g, angle in zip(gate, angles)]
         return on_lattice(weighted(p, angles))
 
     def remaining(self, g, fallback):
         """What the known angles around a vertex leave to each unknown one (section 6.3)."""
-        rest, unknown = 65536, 0
-        for c in islice(self.surface.walk(g), 32):
-            a, b = self.known(self.surface.next_vertex(c)), self.known(self.surface.previous_vertex(c))
+        rest, unknown, d = 65536, 0, g
+        for _ in range(32):
+            a, b = self.known(next_corner(d)), self.known(previous_corner(d))
             if a and b:
                 rest -= inner_angle(self.known(g).position, a.position, b.position)[0]
             else:
                 unknown += 1
+            d = self.surface.turn(d)
+            if d == g:
+                break
         return rest // unknown if unknown > 0 and rest > 0 else fallback
 
-    def decode_free(self, neighbour, state):
-        """A vertex without a stencil (section 6.7)."""
-        origin = neighbour.position if neighbour else self.last
+    def decode_free(self, around, state):
+        """A position without a stencil (section 6.7)."""
+        origin = (0, 0, 0)
+        if around.last_gate is not None:
+            origin = self.known(previous_corner(around.last_gate)).position
+        elif self.states:
+            origin = self.states[-1].position
         state.position = on_lattice(add(origin, [model.signed(self.reader) for model in self.free]))
 
 
@@ -510,11 +558,16 @@ def decode_positions(header, surface, numbers, position_count, reader):
 
 # ---------------------------------------------------------------------------- 6.8 Extra positions
 
-def decode_extra_positions(count, reader):
-    models = [IntegerModel() for _ in range(3)]
-    last = (0, 0, 0)
+def decode_extra_positions(header, count, reader):
+    models = [[IntegerModel() for _ in range(4)] for _ in range(3)]
+    e = header.fine_bits - (1 if header.normal_scale > 1 else 0)
+    limit = 2**(26 - e)
+    last, length = [0, 0, 0], 0
     extra = []
     for _ in range(count):
-        last = on_lattice(add(last, [model.signed(reader) for model in models]))
-        extra.append(last)
+        for a in range(3):
+            u = models[a][length].get(reader)
+            length = min(bits(u) >> 1, 3)
+            last[a] = clamp(last[a] + undo_zigzag(u), -limit, limit)
+        extra.append(scale(last, 2**e))
     return extra

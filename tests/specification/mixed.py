@@ -1,0 +1,382 @@
+"""Positions at effort max: BITSTREAM.md, section 6.9."""
+from collections import defaultdict
+from math import isqrt
+
+from coding import add, bits, clamp, dot, largest, scale, shift_right, sub
+from connectivity import next_corner, previous_corner
+
+# ---------------------------------------------------------------------------- 6.9.1 The arc
+
+def arc_of(surface, time, corners):
+    """The corners of the stencils, chained where the right of one is the left of another."""
+    arc = list(corners)
+
+    def follows(c, before):
+        return time[previous_corner(before)] == time[next_corner(c)]
+
+    for j in range(len(arc)):
+        rest = arc[j:]
+        if j == 0:
+            starts = [i for i, c in enumerate(rest) if not any(follows(c, d) for d in rest if d != c)]
+        else:
+            starts = [i for i, c in enumerate(rest) if follows(c, arc[j - 1])]
+        i = j + starts[0] if starts else j
+        arc[i], arc[j] = arc[j], arc[i]
+    return arc
+
+
+# ---------------------------------------------------------------------------- 6.9.2 Features
+
+def length(v):
+    shift = 0 if largest(v) < 2**25 else 6
+    small = shift_right(v, shift)
+    return isqrt(dot(small, small)) << shift
+
+
+def height_of(stencil):
+    left, right, base = (state.position for state in stencil)
+    return shift_right(add(sub(left, base), sub(right, base)), 1)
+
+
+def features_of(surface, known, arc, p, to_local, is_tangent):
+    """Feature vectors in the frame; `known` gives the state at a corner."""
+    result = []
+    heights = (0, 0, 0)
+    for j, stencil in enumerate(p.stencils):
+        left, right, base = stencil
+        height = to_local(height_of(stencil))
+        heights = add(heights, height)
+        result += [height, to_local(sub(left.position, right.position)), to_local(base.surprise)]
+        if j == 0:
+            result.append(to_local(left.surprise))
+        result.append(to_local(right.surprise))
+    left, right, base = p.stencils[0]
+
+    def times(v, factor, shift):
+        return shift_right(scale(v, clamp(factor, -12, 12)), shift)
+
+    result.append(times(heights, p.valence - 6, 3))
+    result.append(times(to_local(sub(left.position, right.position)), left.valence - right.valence, 2))
+    result.append(times(to_local(height_of(p.stencils[0])), left.valence + right.valence - base.valence - 6, 2))
+    for c, stencil in list(zip(arc, p.stencils))[:2]:
+        l, r, b = (state.position for state in stencil)
+        at_base = surface.opposite[c]
+        for corner, gate in ((next_corner(at_base), sub(r, l)), (previous_corner(at_base), sub(l, r))):
+            wing = known(surface.opposite[corner])
+            result.append(to_local(add(sub(wing.position, b), gate)) if wing else (0, 0, 0))
+    if is_tangent:
+        to_left = length(sub(left.position, base.position))
+        to_right = length(sub(right.position, base.position))
+        result.append((0, 0, length(sub(left.position, right.position))))
+        result.append((0, 0, to_left + to_right))
+        result.append((0, to_left - to_right, length(height_of(p.stencils[0]))))
+    return [tuple(clamp(x, -2**29, 2**29) for x in f) for f in result]
+
+
+# ---------------------------------------------------------------------------- 6.9.3 Least squares
+
+class LeastSquares:
+    """The predictor of one component and shape class."""
+
+    def __init__(self):
+        self.seen = self.turn = self.phase = 0
+        self.weight = [0] * 24
+        self.moment = [[0] * 24 for _ in range(24)]
+        self.with_value = [0] * 24
+
+    def predict(self, features):
+        self.count = len(features)
+        self.common = 15 - max(bits(x if x >= 0 else -x - 1) for x in features)
+        self.nothing = self.common == 15
+        self.x = [max(f << self.common if self.common >= 0 else f >> -self.common, -32767) for f in features]
+        total = dot(self.weight, self.x)
+        shift = 14 + self.common
+        return clamp((total + (1 << (shift - 1))) >> shift if shift > 0 else total << -shift, -2**26, 2**26)
+
+    def learn(self, value):
+        if self.nothing:
+            return
+        self.seen = min(self.seen + 1, 512)
+        self.phase = (self.phase + 1) % 4
+        few = self.seen < 128
+        if few or self.phase == 1:
+            self.accumulate(value << self.common if self.common >= 0 else value >> -self.common)
+        if few:
+            self.descend(range(self.count))
+        elif self.phase == 3:
+            self.turn = self.turn + 8 if self.turn + 8 < self.count else 0
+            self.descend(range(self.turn, self.turn + 8))
+
+    def accumulate(self, value):
+        y = clamp(value, -32767, 32767)
+        rate = min(9, bits(self.seen))
+        half = 1 << (rate - 1)
+        for i, x in enumerate(self.x):
+            row = self.moment[i]
+            for j, other in enumerate(self.x):
+                row[j] += (x * other - row[j] + half) >> rate
+            self.with_value[i] += (x * y - self.with_value[i] + half) >> rate
+
+    def descend(self, which):
+        ridge = 1 + 2**18 // self.seen
+        for i in which:
+            gradient = (self.with_value[i] << 14) - dot(self.moment[i][:self.count], self.weight)
+            self.weight[i] = clamp(self.weight[i] + gradient // (self.moment[i][i] + ridge), -65536, 65536)
+
+
+# ---------------------------------------------------------------------------- 6.9.4 Mixing
+
+KNOTS = [1, 2, 3, 5, 8, 13, 22, 36, 60, 98, 162, 267, 439, 720, 1179, 1921, 3108, 4971, 7812, 11955, 17625, 24743,
+         32768, 40793, 47911, 53581, 57724, 60565, 62428, 63615, 64357, 64816, 65097, 65269, 65374, 65438, 65476,
+         65500, 65514, 65523, 65528, 65531, 65533, 65534, 65535]
+
+
+def squash(x):
+    i, part = (x + 2816) >> 7, (x + 2816) & 127
+    return (KNOTS[i] * (128 - part) + KNOTS[i + 1] * part + 64) >> 7
+
+
+def stretch_table():
+    table, x = [], -2815
+    for i in range(4096):
+        while x < 2815 and squash(x) < 16 * i:
+            x += 1
+        table.append(x)
+    return table
+
+
+STRETCH = stretch_table()
+
+
+class Chance:
+    def __init__(self):
+        self.p = 32768
+        self.count = 0
+
+    def stretched(self):
+        return STRETCH[self.p >> 4]
+
+    def update(self, bit):
+        rate = 655360 // (10 * self.count + 16)
+        if bit:
+            self.p += ((65535 - self.p) * rate) >> 16
+        else:
+            self.p -= (self.p * rate) >> 16
+        self.count = min(self.count + 1, 255)
+
+
+class Weights:
+    def __init__(self):
+        self.weight = [251658] * 16
+        self.rate = 1920
+
+    def mix(self, inputs):
+        total = sum(clamp(w >> 6, -32768, 32767) * x for w, x in zip(self.weight, inputs))
+        return clamp(total >> 14, -2815, 2815)
+
+    def learn(self, inputs, error):
+        step = (error * self.rate) >> 12
+        for i, x in enumerate(inputs):
+            w = self.weight[i] + ((x * step + 128) >> 8)
+            self.weight[i] = (w + 2**31) % 2**32 - 2**31
+        self.rate -= (self.rate - 384) >> 6
+
+
+class FinalWeights:
+    def __init__(self):
+        self.weight = [32768, 32768]
+
+    def mix(self, pair):
+        return clamp(dot(self.weight, pair) >> 16, -2815, 2815)
+
+    def learn(self, pair, error):
+        for i in range(2):
+            self.weight[i] = clamp(self.weight[i] + ((pair[i] * error + 65536) >> 17), -2**20, 2**20)
+
+
+# ---------------------------------------------------------------------------- 6.9.5 Residuals
+
+class Evidence:
+    def __init__(self):
+        self.unit = 0
+        self.predictions = {}  # number: (value in sixteenths, context)
+        self.voters = 0
+        self.contexts = []
+        self.sets = ()
+
+
+def distance_class(distance, shift):
+    x = abs(distance) >> (shift + 1)
+    w = bits(x)
+    octaves = x if x < 2 else min(2 * (w - 1) + (x >> (w - 2) & 1), 11)
+    return (distance >= 0, octaves)
+
+
+class ResidualMixer:
+    def __init__(self, reader):
+        self.reader = reader
+        self.by_distance, self.by_context, self.by_votes = (defaultdict(Chance) for _ in range(3))
+        self.by_scale, self.by_hits = defaultdict(Weights), defaultdict(Weights)
+        self.final = defaultdict(FinalWeights)
+
+    def get(self, evidence):
+        self.evidence = evidence
+        self.prediction = {k: value for k, (value, _) in evidence.predictions.items()}
+        self.side = 0
+        unit = evidence.unit
+        negative = not self.decide(0, 0, unit)
+        if negative:
+            self.prediction = {k: -16 - value for k, value in self.prediction.items()}
+            self.side = 1
+        doublings = 0
+        while unit + doublings < 24:
+            if not self.decide(1 + min(doublings, 9), 1 << (unit + doublings), unit + max(doublings - 1, 0)):
+                break
+            doublings += 1
+        top = unit + doublings
+        m = 2**23 + self.reader.raw(29) if top == 24 else self.below(doublings, top)
+        return -1 - m if negative else m
+
+    def below(self, doublings, top):
+        low, width = (0, top) if doublings == 0 else (1 << (top - 1), top - 1)
+        first = depth = 0
+        while width > 0:
+            near = any(low <= (value + 8) >> 4 < low + (1 << width) for value in self.prediction.values())
+            if depth >= 1 and not near:
+                return low + self.reader.raw(width)
+            width -= 1
+            d = min(doublings, 7)
+            node = 11 + d if depth == 0 else 19 + 2 * d + first if depth == 1 else 35 + min(width, 12)
+            upper = self.decide(node, low + (1 << width), width)
+            low += upper << width
+            if depth == 0:
+                first = upper
+            depth += 1
+        return low
+
+    def decide(self, node, boundary, shift):
+        """Whether the magnitude is at least `boundary`."""
+        e = self.evidence
+        edge = 16 * boundary - 8
+        chances = {}
+        votes = [0, 0, 0]
+        for k, value in self.prediction.items():
+            cell = k, e.predictions[k][1], node, distance_class(value - edge, shift)
+            chances[k] = self.by_distance[cell]
+            votes[(k + 2) // 3] += value >= edge
+        chances[7] = self.by_votes[e.voters, *votes, node]
+        for k, context in enumerate(e.contexts):
+            chances[8 + k] = self.by_context[k, context, node, self.side]
+        inputs = [chances[i].stretched() if i in chances else 256 if i == 15 else 0 for i in range(16)]
+        first, second = self.by_scale[min(node, 20), e.sets[0]], self.by_hits[min(node, 20), e.sets[1]]
+        pair = first.mix(inputs), second.mix(inputs)
+        p = squash(self.final[node].mix(pair))
+        one = clamp(p >> 1, 1, 32767)
+        bit = int(self.reader.slot() < one)
+        self.reader.consume(0 if bit else one, one if bit else 32768 - one)
+        target = 65535 if bit else 0
+        self.final[node].learn(pair, target - p)
+        first.learn(inputs, target - squash(pair[0]))
+        second.learn(inputs, target - squash(pair[1]))
+        for chance in chances.values():
+            chance.update(bit)
+        return bit
+
+
+# ---------------------------------------------------------------------------- 6.9.6 Contexts
+
+class Scale:
+    """How large residuals of a component are expected to be."""
+
+    def __init__(self, around, everywhere, spread, several):
+        self.around, self.spread = around, spread
+        expected = 5 + ((369 * around + 92 * everywhere + (102 * spread if several else 0)) >> 8)
+        w = bits(expected)
+        half = (expected >> (w - 2)) & 1
+        self.unit = min(bits(expected // 96), 19)
+        self.fine = min(2 * w + half - 6, 11) if self.unit == 0 else 12 + half
+        self.coarse = self.fine // 3
+
+
+def signed_class(x, size):
+    c = (8 * abs(x) >= size) + (2 * abs(x) >= size) + (4 * abs(x) >= 5 * size)
+    return 3 - c if x < 0 else 3 + c
+
+
+def match_class(a, matches):
+    return 0 if a == 0 else 1 if matches == 0 else 2 if matches == a else 3
+
+
+class MixedResiduals:
+    """Predicts and decodes the residuals of one vertex after another."""
+
+    def __init__(self, header, step, reader):
+        self.header, self.step = header, step
+        self.mixer = ResidualMixer(reader)
+        self.least_squares = defaultdict(LeastSquares)
+
+    def sixteenths(self, x, a):
+        m = ((32 * min(abs(x), 2**26) + self.step[a]) * (2**31 // self.step[a])) >> 32
+        m = min(m, 2**28)
+        return -m if x < 0 else m
+
+    def decode(self, surface, known, arc, p, is_centred, state):
+        """The residual of a position. Sets the offset that it counts from, and the state's hits."""
+        def to_local(d):
+            return tuple((dot(axis, d) + 2**12) >> 13 for axis in p.frame)
+
+        features = features_of(surface, known, arc, p, to_local, self.header.is_tangent)
+        features += [(0, 0, 0)] * (-len(features) % 8)
+        shape = p.n, (p.valence >= 6) + (p.valence > 6)
+        fitted = [self.least_squares[shape, a].predict([f[a] for f in features]) for a in range(3)]
+        p.offset = fitted if is_centred else (0, 0, 0)
+        other = to_local(sub(p.mean, p.point)) if is_centred else fitted
+        local = [to_local(sub(candidate, p.point)) for candidate in p.candidates]
+        around = p.stencils[0]
+        neighbours = [] if self.header.is_tangent else [to_local(sub(s.position, p.point)) for s in around]
+        surprises = [to_local(s.surprise) for s in around]
+        scales = self.scales(p, local)
+        matches = [0] * 6
+        residuals = []
+        for a in range(3):
+            e = Evidence()
+            e.unit = scales[a].unit
+            size = scales[a].coarse
+            e.predictions[0] = self.sixteenths(other[a] - p.offset[a], a), size * 3 + p.model_class
+            e.voters = p.n
+            named = {j: local[j] for j in range(e.voters)} | {3 + k: x for k, x in enumerate(neighbours)}
+            named = {k: self.sixteenths(x[a] - p.offset[a], a) for k, x in named.items()}
+            for k, value in named.items():
+                if k >= 3 or p.n > 1:
+                    e.predictions[1 + k] = value, size * 4 + match_class(a, matches[k])
+            e.contexts = self.contexts(p, a, scales, residuals, surprises)
+            e.sets = scales[a].fine, (a * 3 + p.model_class) * 4 + state.hits
+            limit = 2**28 >> (self.step[a].bit_length() - 1)
+            residual = clamp(self.mixer.get(e), -limit, limit)
+            residuals.append(residual)
+            self.least_squares[shape, a].learn(clamp(p.offset[a] + residual * self.step[a], -2**28, 2**28))
+            for k, x in named.items():
+                if abs(x - 16 * residual) <= 8:
+                    matches[k] += 1
+                    state.hits |= 1 << a
+        return residuals
+
+    def scales(self, p, local):
+        used = [state for stencil in p.stencils[:2] for state in stencil]
+        around = [(sum(s.magnitude[a] for s in used) * (5461 if p.n == 1 else 2731)) >> 10 for a in range(3)]
+        everywhere = (sum(around) * 5461) >> 14
+        if p.n == 1:
+            gate = sum(abs(x) for x in sub(p.left, p.right))
+            spread = [(((gate * 16) >> self.header.fine_bits) * 5461) >> 16] * 3
+        else:
+            spread = [((abs(local[0][a]) + abs(local[1][a])) * (65536 // self.step[a])) >> 13 for a in range(3)]
+        return [Scale(around[a], everywhere, min(spread[a], 2**21), p.n > 1) for a in range(3)]
+
+    def contexts(self, p, a, scales, residuals, surprises):
+        size = scales[a].around + 8
+        coded = [signed_class(16 * residuals[b], scales[b].around + 4) if b < a else 0 for b in range(2)]
+        s, t, u = (signed_class(self.sixteenths(x[a], a), size) for x in surprises)
+        spread = scales[a].spread
+        w = bits(spread)
+        octaves = 2 * w + (spread >> (w - 2) & 1 if w > 1 else 0)
+        return [(a, *coded), (s, t, u), (min(octaves, 24), scales[a].fine), (min(p.valence, 12), scales[a].fine)]
