@@ -1,9 +1,13 @@
 // Whatever cannot be measured is refused by name, by every reader and every measure; no figure is made up.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
+#include <ostream>
+#include <string>
 
 #include "meshes.h"
 
@@ -77,6 +81,7 @@ struct Format {
   const char* name;
   std::string (*write)(const MeshArrays& mesh);
 };
+void PrintTo(const Format& format, std::ostream* os) { *os << format.name; }
 
 const Format kFormats[] = {
     {"ascii.ply", [](const MeshArrays& mesh) { return asPly(mesh, false); }},
@@ -111,7 +116,7 @@ class BadFile : public testing::TestWithParam<Format> {
     }
   }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / "tsc_quality_bad_files";
+  const fs::path folder_ = fs::path(testing::TempDir()) / ("tsc_quality_bad_files_" + std::to_string(getpid()));
 };
 
 TEST_P(BadFile, theGoodMeshIsRead) {
@@ -195,6 +200,7 @@ struct BadInput {
   MeshArrays mesh;
   QualityErrorCode code;
 };
+void PrintTo(const BadInput& input, std::ostream* os) { *os << input.name; }
 
 std::vector<BadInput> badInputs() {
   std::vector<BadInput> inputs;
