@@ -195,12 +195,19 @@ StepCodec makeCodec(const BenchMesh& mesh, const Variant& variant) {
 
 const CodecPoint& pointAtRate(const StepCodec& codec, std::vector<CodecPoint>& runs, double bits) {
   constexpr int kMaxRuns = 7;
+  constexpr int kMaxFinerBits = 8;
   const auto error = [bits](const CodecPoint& point) { return std::abs(point.bits / bits - 1); };
   const auto closest = [&]() -> const CodecPoint& {
     return *std::min_element(runs.begin(), runs.end(), [&](auto& a, auto& b) { return error(a) < error(b); });
   };
+  // Where a codec is far better, the rate may lie beyond any lattice that it has: the finest step tried is the answer.
+  const auto by_step = [](const CodecPoint& a, const CodecPoint& b) { return a.step < b.step; };
+  const double finest = std::ldexp(std::min_element(runs.begin(), runs.end(), by_step)->step, -kMaxFinerBits);
   for (int run = 0; run < kMaxRuns && error(closest()) >= kRateTolerance; ++run) {
-    runs.push_back(codec(stepTowards(runs, bits)));
+    const double step = std::max(stepTowards(runs, bits), finest);
+    const auto tried = [step](const CodecPoint& point) { return point.step == step; };
+    if (std::any_of(runs.begin(), runs.end(), tried)) break;
+    runs.push_back(codec(step));
   }
   return closest();
 }

@@ -109,9 +109,9 @@ class AdaptiveOffset {
   /// Correction of each component, on the fine lattice.
   TSC_ALWAYS_INLINE Integers offset(const Features& features) const {
     // Sums of 8 products, within 2^31 even if all are at their limits.
-    const Integers sums = laneSums(pairProducts(weights_[0], features.component[0]),
-                                   pairProducts(weights_[1], features.component[1]),
-                                   pairProducts(weights_[2], features.component[2]));
+    const Integers sums =
+        laneSums(pairProducts(weights_[0], features.component[0]), pairProducts(weights_[1], features.component[1]),
+                 pairProducts(weights_[2], features.component[2]));
     // The surrounding's 2^-3 against the factors' 2^2. Where it is not enough the features are as large as the lattice.
     const int shift = std::max(kWeightBits - 1 + features.scale, 0);
     return bounded((sums + ((1 << shift) >> 1)) >> shift, kOffsetLimit);

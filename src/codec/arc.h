@@ -25,8 +25,8 @@ struct Arc {
   std::array<ArcStencil, kMaxStencils> list;
 };
 
-/// The stencils, chained where one's `right` is another's `left`: first one that follows no other, then each time the one
-/// that follows, or the first that is left.
+/// The stencils, chained where one's `right` is another's `left`: first one that follows no other, then each time the
+/// one that follows, or the first that is left.
 inline Arc arcOf(const Surface& surface, std::span<const std::uint32_t> corner_time, const Stencils& stencils) {
   Arc arc;
   arc.count = stencils.count;

@@ -4,6 +4,7 @@
 
 #include "connectivity.h"
 #include "entropy.h"
+#include "extra_positions.h"
 #include "format.h"
 #include "header.h"
 #include "output.h"

@@ -6,6 +6,7 @@
 
 #include "choose.h"
 #include "connectivity.h"
+#include "extra_positions.h"
 #include "format.h"
 #include "header.h"
 #include "lattice.h"

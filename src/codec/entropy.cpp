@@ -9,7 +9,7 @@ double approximateLog2(double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   const int exponent = static_cast<int>(bits >> 52) - 1023;
   const double mantissa = std::bit_cast<double>((bits & ((std::uint64_t{1} << 52) - 1)) | std::uint64_t{1023} << 52);
-  const double t = (mantissa - 1) / (mantissa + 1);          // log2 m = 2 / ln 2 * artanh t, t in [0, 1/3]
+  const double t = (mantissa - 1) / (mantissa + 1);  // log2 m = 2 / ln 2 * artanh t, t in [0, 1/3]
   const double square = t * t;
   const double series = 1 + square * (1.0 / 3 + square * (1.0 / 5 + square * (1.0 / 7 + square / 9)));
   return exponent + 2.8853900817779268 * t * series;

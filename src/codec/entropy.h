@@ -123,8 +123,8 @@ class EntropyReader {
   std::uint64_t getLongRaw(int count) {
     std::uint64_t value = 0;
     for (; count > EntropyWriter::kRawChunkBits; count -= EntropyWriter::kRawChunkBits) [[unlikely]] {
-      value = value << EntropyWriter::kRawChunkBits | getRaw(EntropyWriter::kRawChunkBits);
-    }
+        value = value << EntropyWriter::kRawChunkBits | getRaw(EntropyWriter::kRawChunkBits);
+      }
     return value << count | getRaw(count);
   }
 

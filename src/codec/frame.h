@@ -91,7 +91,8 @@ inline Integers unitVector(Integers v) {
 TSC_ALWAYS_INLINE Frame frameAt(Basis basis, Integers left, Integers right, Integers base, Integers prediction) {
   const Integers gate = scaledForUnit(left - right);
   const Integers across = crossProduct(gate, scaledForUnit(base - right));
-  if (isZero(across)) [[unlikely]] return {};
+  if (isZero(across)) [[unlikely]]
+    return {};
   const Integers normal = unitVector(scaledForUnit(across));
   if (basis == Basis::kGate) {
     const Integers first = unitVector(gate);
@@ -108,8 +109,8 @@ TSC_ALWAYS_INLINE Frame frameAt(Basis basis, Integers left, Integers right, Inte
 /// Local coordinates of a lattice displacement within +-2^30, rounded.
 inline WideVec3 toLocal(const Frame& frame, const WideVec3& displacement) {
   const auto along = [&](Integers axis) {
-    return (axis[0] * displacement.x + axis[1] * displacement.y + axis[2] * displacement.z +
-            (1 << (kFrameBits - 1))) >> kFrameBits;
+    return (axis[0] * displacement.x + axis[1] * displacement.y + axis[2] * displacement.z + (1 << (kFrameBits - 1))) >>
+           kFrameBits;
   };
   return {along(frame.normal), along(frame.first), along(frame.second)};
 }
@@ -122,13 +123,15 @@ TSC_ALWAYS_INLINE Integers toLattice(const Frame& frame, Integers local) {
     const Integers along_first = __builtin_shufflevector(local, local, 1, 1, 1, 1);
     const Integers along_second = __builtin_shufflevector(local, local, 2, 2, 2, 2);
     return (shortProducts(frame.normal, along_normal, frame.first, along_first) +
-            shortProducts(frame.second, along_second) + kHalf) >> kFrameBits;
+            shortProducts(frame.second, along_second) + kHalf) >>
+           kFrameBits;
   }
   Integers result{};
   for (int i = 0; i < 3; ++i) {
-    result[i] = static_cast<std::int32_t>((std::int64_t{frame.normal[i]} * local[0] +
-                                           std::int64_t{frame.first[i]} * local[1] +
-                                           std::int64_t{frame.second[i]} * local[2] + kHalf) >> kFrameBits);
+    result[i] =
+        static_cast<std::int32_t>((std::int64_t{frame.normal[i]} * local[0] + std::int64_t{frame.first[i]} * local[1] +
+                                   std::int64_t{frame.second[i]} * local[2] + kHalf) >>
+                                  kFrameBits);
   }
   return result;
 }

@@ -67,8 +67,8 @@ inline Integers bounded(Integers v, std::int32_t limit) {
 /// The sums of the lanes of each.
 inline Integers laneSums(Integers a, Integers b, Integers c) {
   const Integers ab = __builtin_shufflevector(a, b, 0, 4, 1, 5) + __builtin_shufflevector(a, b, 2, 6, 3, 7);
-  const Integers c0 = __builtin_shufflevector(c, Integers{}, 0, 4, 1, 5) +
-                      __builtin_shufflevector(c, Integers{}, 2, 6, 3, 7);
+  const Integers c0 =
+      __builtin_shufflevector(c, Integers{}, 0, 4, 1, 5) + __builtin_shufflevector(c, Integers{}, 2, 6, 3, 7);
   return __builtin_shufflevector(ab, c0, 0, 1, 4, 5) + __builtin_shufflevector(ab, c0, 2, 3, 6, 7);
 }
 
@@ -158,9 +158,7 @@ inline Integers scaledDown(Integers v, Integers shift, int limit) {
 }
 
 /// 2^23 log2 of each lane, 0 < lane < 2^24, linear between powers of two: a float's bits are just that.
-inline Integers logarithms(Integers v) {
-  return (Integers)__builtin_convertvector(v, Floats) - (127 << 23);
-}
+inline Integers logarithms(Integers v) { return (Integers) __builtin_convertvector(v, Floats) - (127 << 23); }
 
 /// All bits of a lane where it is larger.
 inline Lanes greater(Lanes a, Lanes b) { return (Lanes)(a > b); }

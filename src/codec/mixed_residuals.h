@@ -1,5 +1,5 @@
-// Positions at effort max: a vertex is predicted by least squares, its residual coded by a mixture of all predictions and
-// contexts (BITSTREAM.md, section 6.9).
+// Positions at effort max: a vertex is predicted by least squares, its residual coded by a mixture of all predictions
+// and contexts (BITSTREAM.md, section 6.9).
 #pragma once
 
 #include <algorithm>
@@ -41,12 +41,12 @@ struct ResidualSteps {
 struct MixedVertex {
   int stencil_count = 0;  ///< 1..kMaxStencils
   int valence = 0;
-  std::array<WideVec3, 3> candidate{};  ///< parallelograms, of the first three stencils
+  std::array<WideVec3, 3> candidate{};         ///< parallelograms, of the first three stencils
   std::array<const VertexState*, 6> around{};  ///< left, right, base of the first two stencils
-  std::array<WideVec3, 3> neighbour{};  ///< left, right, base of the first stencil
-  std::array<WideVec3, 3> surprise{};   ///< theirs
-  WideVec3 mean{0};                     ///< average of all candidates
-  std::int64_t gate = 0;                ///< sum of the gate's components' magnitudes on the fine lattice
+  std::array<WideVec3, 3> neighbour{};         ///< left, right, base of the first stencil
+  std::array<WideVec3, 3> surprise{};          ///< theirs
+  WideVec3 mean{0};                            ///< average of all candidates
+  std::int64_t gate = 0;                       ///< sum of the gate's components' magnitudes on the fine lattice
 };
 
 /// How large the residual of a component is expected to be.
@@ -89,8 +89,8 @@ class MixedResiduals {
       const std::int32_t limit = kMixedResidualLimit >> (std::bit_width(static_cast<unsigned>(steps_.step[axis])) - 1);
       residual[axis] = std::clamp(mixer_.code(evidence, residual[axis]), -limit, limit);
       const std::int64_t value = std::int64_t{residual[axis]} * steps_.step[axis] + offset_[axis];
-      least_squares_[shape_class_][axis].learn(std::clamp<std::int64_t>(value, -kMixedResidualLimit, kMixedResidualLimit),
-                                               feature_count_);
+      least_squares_[shape_class_][axis].learn(
+          std::clamp<std::int64_t>(value, -kMixedResidualLimit, kMixedResidualLimit), feature_count_);
       noteMatches(vertex, evidence, a, residual[axis]);
     }
     return hits_;
@@ -105,7 +105,8 @@ class MixedResiduals {
     for (std::size_t a = 0; a < 3; ++a) {
       const auto axis = static_cast<int>(a);
       std::uint32_t sum = 0;
-      for (std::size_t i = 0; i < (several ? 6 : 3); ++i) sum += static_cast<std::uint32_t>(v.around[i]->magnitude()[axis]);
+      for (std::size_t i = 0; i < (several ? 6 : 3); ++i)
+        sum += static_cast<std::uint32_t>(v.around[i]->magnitude()[axis]);
       scales[a].around = (sum * (several ? 2731u : 5461u)) >> 10;
       const std::int64_t apart = std::abs(v.candidate[0][axis]) + std::abs(v.candidate[1][axis]);
       const std::int64_t spread = several ? (apart * static_cast<std::int64_t>(steps_.reciprocal[a] >> 15)) >> 13
@@ -132,9 +133,7 @@ class MixedResiduals {
     return value < 0 ? 3 - c : 3 + c;
   }
   /// How far a prediction has held for this vertex: nothing known, on no axis, on all, on some.
-  static int matchClass(int axis, int matches) {
-    return axis == 0 ? 0 : matches == 0 ? 1 : matches == axis ? 2 : 3;
-  }
+  static int matchClass(int axis, int matches) { return axis == 0 ? 0 : matches == 0 ? 1 : matches == axis ? 2 : 3; }
 
   ResidualEvidence evidenceOf(const MixedVertex& v, int a, const std::array<std::int32_t, 3>& residual) const {
     const auto axis = static_cast<std::size_t>(a);
@@ -160,7 +159,8 @@ class MixedResiduals {
       }
     }
     setContexts(v, a, residual, e);
-    e.weight_set = {static_cast<std::uint8_t>(scale.fine), static_cast<std::uint8_t>((a * 3 + count_class) * 4 + hits_)};
+    e.weight_set = {static_cast<std::uint8_t>(scale.fine),
+                    static_cast<std::uint8_t>((a * 3 + count_class) * 4 + hits_)};
     return e;
   }
 
@@ -175,7 +175,8 @@ class MixedResiduals {
     };
     const auto surprise = [&](std::size_t k) { return signedClass(steps_.sixteenths(v.surprise[k][a], a), size); };
     const int spread_width = static_cast<int>(std::bit_width(scale.spread));
-    const int spread = 2 * spread_width + (spread_width > 1 ? static_cast<int>(scale.spread >> (spread_width - 2) & 1) : 0);
+    const int spread =
+        2 * spread_width + (spread_width > 1 ? static_cast<int>(scale.spread >> (spread_width - 2) & 1) : 0);
     const int contexts[kMixedContexts] = {
         (a * 7 + coded(0)) * 7 + coded(1),
         (surprise(0) * 7 + surprise(1)) * 7 + surprise(2),

@@ -17,8 +17,8 @@ namespace {
 
 /// What a vertex is predicted from.
 struct Prediction {
-  int count_class = 0;                ///< complete parallelograms, up to kCountClasses, less one
-  std::array<const VertexState*, 6> around{};  ///< left, right and base of the first two parallelograms
+  int count_class = 0;                            ///< complete parallelograms, up to kCountClasses, less one
+  std::array<const VertexState*, 6> around{};     ///< left, right and base of the first two parallelograms
   std::array<Integers, kMaxStencils> candidates;  ///< parallelograms
   Integers mean;                                  ///< their average
   Integers point;                                 ///< the chosen predictor's, before the adaptive offset
@@ -101,9 +101,7 @@ class PositionCoder {
  private:
   static constexpr std::uint32_t kOverrunInterval = 1024;
 
-  std::uint32_t positionAt(std::uint32_t time) const {
-    return order_.position.empty() ? time : order_.position[time];
-  }
+  std::uint32_t positionAt(std::uint32_t time) const { return order_.position.empty() ? time : order_.position[time]; }
 
   TSC_ALWAYS_INLINE void codeVertex(Hot<Direction>& coder, std::uint32_t time, const glm::dvec3& target) {
     VertexState& state = states_[time];
@@ -253,7 +251,8 @@ class PositionCoder {
     return p.surrounding.candidates();
   }
 
-  TSC_ALWAYS_INLINE Neighbourhood neighbourhoodOf(const Prediction& p, const std::array<Integers, kCandidates>& local) const {
+  TSC_ALWAYS_INLINE Neighbourhood neighbourhoodOf(const Prediction& p,
+                                                  const std::array<Integers, kCandidates>& local) const {
     Neighbourhood around;
     around.magnitude = p.magnitude;
     around.count_class = p.count_class;
@@ -289,7 +288,8 @@ class PositionCoder {
       c.second_offset = offsets[1][a];
       if (exact_hits_) {
         const std::int32_t half_step = (1 << step_bits_[a]) >> 1;
-        c.candidates = {(candidates[0][a] + half_step) >> step_bits_[a], (candidates[1][a] + half_step) >> step_bits_[a]};
+        c.candidates = {(candidates[0][a] + half_step) >> step_bits_[a],
+                        (candidates[1][a] + half_step) >> step_bits_[a]};
         c.hits_around = (p.left()->hits() >> a & 1) + (p.right()->hits() >> a & 1);
       }
       c.shares_learn = learning == static_cast<std::uint32_t>(a);
@@ -314,8 +314,7 @@ class PositionCoder {
 
   /// The bits below the bins' widths of all components that are no hits, the first component's highest.
   TSC_ALWAYS_INLINE void codeLowBits(Hot<Direction>& coder, const ResidualContexts& contexts, std::uint32_t hits,
-                                     const std::array<std::int32_t, 3>& wanted,
-                                     std::array<std::int32_t, 3>& residual) {
+                                     const std::array<std::int32_t, 3>& wanted, std::array<std::int32_t, 3>& residual) {
     const int third = hits & 4 ? 0 : contexts.shift(2);
     const int second = hits & 2 ? 0 : contexts.shift(1);
     const int first = hits & 1 ? 0 : contexts.shift(0);
@@ -355,16 +354,17 @@ class PositionCoder {
     };
     Vec3 residual = steps(target - glm::dvec3(vectorOf(p.point)), glm::dvec3(offsetOf(p)));
     for (int pass = 0; pass < 3; ++pass) {
-      const Vec3 correction = steps(target - glm::dvec3(vectorOf(reconstruct(p, {residual.x, residual.y, residual.z}))), glm::dvec3(0));
+      const Vec3 correction =
+          steps(target - glm::dvec3(vectorOf(reconstruct(p, {residual.x, residual.y, residual.z}))), glm::dvec3(0));
       if (correction == Vec3(0)) break;
       residual += correction;
     }
     return residual;
   }
 
-  /// Tangent mode: rounds components that lie near the middle between two steps to the smaller one, where that saves more
-  /// bits than the error is worth. A Laplace distribution of mean magnitude m saves 1.44 / m bits a step, which at high
-  /// rates weigh 0.17 / m squared steps; a little less is best. Stays within the bound of rounding each component.
+  /// Tangent mode: rounds components that lie near the middle between two steps to the smaller one, where that saves
+  /// more bits than the error is worth. A Laplace distribution of mean magnitude m saves 1.44 / m bits a step, which at
+  /// high rates weigh 0.17 / m squared steps; a little less is best. Stays within the bound of rounding each component.
   Vec3 cheaperResidual(const Prediction& p, const glm::dvec3& target, Vec3 residual) const {
     constexpr double kWorth = 0.055, kMostSlack = 0.15, kSquareBound = 0.7;
     if (!tangent_ || step_[0] != step_[1]) return residual;
@@ -401,7 +401,7 @@ class PositionCoder {
   std::vector<VertexState> states_;  ///< by time
   ResidualCoder<Direction> residuals_;
   std::unique_ptr<MixedResiduals<Direction>> mixed_;  ///< at effort max
-  IntegerModel free_[3];  ///< components of vertices without a stencil
+  IntegerModel free_[3];                              ///< components of vertices without a stencil
   AdaptiveOffset offsets_[kCountClasses];
   std::array<std::int32_t, 3> step_;  ///< of each component on the fine lattice
   Integers step_bits_{};              ///< floor(log2(step))
@@ -409,46 +409,6 @@ class PositionCoder {
 };
 
 }  // namespace
-
-namespace {
-
-/// Positions that the surface does not have: one after another by differences.
-template <class Direction>
-void codeExtraPositions(Direction direction, int bits, std::span<const glm::dvec3> target, std::span<Vec3> decoded) {
-  const std::int64_t limit = kCoordinateLimit >> bits;
-  // By component, and by how long the component before was: jumps are jumps in all of them.
-  constexpr int kClasses = 4;
-  IntegerModel models[3][kClasses];
-  int length_class = 0;
-  WideVec3 last(0);
-  for (std::size_t i = 0; i < decoded.size() && !direction.overrun(); ++i) {
-    WideVec3 difference(0);
-    if constexpr (Direction::kWrites) {
-      difference = WideVec3(glm::floor(target[i] / static_cast<double>(1 << bits) + 0.5)) - last;
-    }
-    for (int a = 0; a < 3; ++a) {
-      const std::uint32_t coded =
-          direction.integer(models[a][length_class], zigzag(static_cast<std::int32_t>(difference[a])));
-      difference[a] = unzigzag(coded);
-      length_class = std::min<int>(static_cast<int>(std::bit_width(coded)) / 2, kClasses - 1);
-    }
-    last = glm::clamp(last + difference, WideVec3(-limit), WideVec3(limit));
-    decoded[i] = Vec3(last * (std::int64_t{1} << bits));
-  }
-}
-
-}  // namespace
-
-void encodeExtraPositions(std::span<const glm::dvec3> target, int bits, EntropyWriter& writer,
-                          std::span<Vec3> decoded) {
-  codeExtraPositions(Writing{writer}, bits, target, decoded);
-}
-
-Status decodeExtraPositions(EntropyReader& reader, int bits, std::span<Vec3> decoded) {
-  codeExtraPositions(Reading{reader}, bits, {}, decoded);
-  if (reader.overrun()) return Error{ErrorCode::kTruncated, "extra positions", reader.position()};
-  return {};
-}
 
 double encodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
                        std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>& decoded,

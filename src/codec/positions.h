@@ -24,9 +24,9 @@ struct PositionParameters {
   bool exact_hits = false;         ///< residuals may be signalled as exactly a candidate's
 };
 
-/// Codes the positions that the surface has, or the first `count` in the order of coding. `target` holds them by position
-/// number, in units of the fine lattice and within +-2^26; `decoded` receives what the decoder will have. Returns the sum
-/// of squared distances between the two, in these units.
+/// Codes the positions that the surface has, or the first `count` in the order of coding. `target` holds them by
+/// position number, in units of the fine lattice and within +-2^26; `decoded` receives what the decoder will have.
+/// Returns the sum of squared distances between the two, in these units.
 double encodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
                        std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>& decoded,
                        std::uint32_t count = kNone);
@@ -34,16 +34,5 @@ double encodePositions(const Surface& surface, const PositionMap& map, const Pos
 /// takes its own. Errors: kTruncated.
 [[nodiscard]] Status decodePositions(Surface& surface, const PositionMap& map, const PositionParameters& parameters,
                                      bool edges_end_here, EntropyReader& reader, std::vector<Vec3>& decoded);
-
-/// How coarse extra positions are: multiples of 2^bits on the fine lattice. Whole steps, or half ones where a finer
-/// normal step asks for more.
-inline int extraPositionBits(const PositionParameters& parameters) {
-  return parameters.fine_bits - (parameters.normal_scale > 1 ? 1 : 0);
-}
-
-/// Codes positions that only side faces and unused vertices have, as many as `decoded` holds, as multiples of 2^bits.
-void encodeExtraPositions(std::span<const glm::dvec3> target, int bits, EntropyWriter& writer, std::span<Vec3> decoded);
-/// Errors: kTruncated.
-[[nodiscard]] Status decodeExtraPositions(EntropyReader& reader, int bits, std::span<Vec3> decoded);
 
 }  // namespace tsc

@@ -37,8 +37,7 @@ Angle innerAngle(const Vec3& tip, const Vec3& a, const Vec3& b) {
   // One common scale for both sides keeps the angle.
   WideVec3 u(a - tip);
   WideVec3 v(b - tip);
-  const int excess =
-      std::max(magnitudeBits(u), magnitudeBits(v)) - kAngleInputBits;
+  const int excess = std::max(magnitudeBits(u), magnitudeBits(v)) - kAngleInputBits;
   if (excess > 0) {
     u = {u.x >> excess, u.y >> excess, u.z >> excess};
     v = {v.x >> excess, v.y >> excess, v.z >> excess};
@@ -69,7 +68,9 @@ ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, s
   const std::span<const std::uint32_t> corner_time = context.corner_time;
   const std::vector<VertexState>& states = context.states;
   const Parallelogram gate = parallelogramAt(surface, corner_time, stencil_corner);
-  const auto byValence = [](std::int32_t faces) { return floorDivide(2 * kHalfTurn, std::clamp(faces, 3, kMaxValence)); };
+  const auto byValence = [](std::int32_t faces) {
+    return floorDivide(2 * kHalfTurn, std::clamp(faces, 3, kMaxValence));
+  };
   ExpectedAngles expected{byValence(states[gate.left].valence()), byValence(states[gate.right].valence()),
                           byValence(valence)};
   if (use_known_angles) {

@@ -22,10 +22,10 @@ struct Component {
   int scale;  ///< these three as in ResidualContexts
   int shift;
   int ratio;
-  int count_class;                                 ///< 0..kCountClasses - 1
-  int first_offset, second_offset;                 ///< of the candidates, in bins, at most kMaxOffset
+  int count_class;                                   ///< 0..kCountClasses - 1
+  int first_offset, second_offset;                   ///< of the candidates, in bins, at most kMaxOffset
   std::array<std::int32_t, kCandidates> candidates;  ///< the residuals at which they lie; these two for exact hits only
-  int hits_around;                                 ///< how many of the gate's ends had a hit on this axis
+  int hits_around;                                   ///< how many of the gate's ends had a hit on this axis
   bool shares_learn;
 };
 
@@ -35,10 +35,7 @@ class ResidualCoder {
   /// `exact_hits`: whether residuals may be signalled as exactly a candidate's; it stands in the header. `step_bits`:
   /// floor(log2(step)) of each axis.
   ResidualCoder(Direction direction, bool exact_hits, const std::array<int, 3>& step_bits)
-      : direction_(direction),
-        exact_hits_(exact_hits),
-        step_bits_(step_bits),
-        models_(std::make_unique<Models>()) {}
+      : direction_(direction), exact_hits_(exact_hits), step_bits_(step_bits), models_(std::make_unique<Models>()) {}
 
   /// Codes a residual in steps but for what lies below its bin's width; only writing looks at `residual`. Returns the
   /// lowest residual of the bin, or, where it is a hit, the residual itself; `hits` holds the axes of this vertex that
@@ -59,7 +56,7 @@ class ResidualCoder {
       bin = codeBin<kAxis>(coder, centred, bin);
     } else {
       bin = codeBin<kAxis>(coder, centred, m.shifted[kAxis][c.scale], c.first_offset, c.second_offset,
-                    m.weights[c.count_class - 1][kAxis], c.shares_learn, bin);
+                           m.weights[c.count_class - 1][kAxis], c.shares_learn, bin);
     }
     std::int32_t value = bin - kWindowCentre;
     if (bin == 0 || bin == kWindowBins - 1) [[unlikely]] {
@@ -112,7 +109,8 @@ class ResidualCoder {
   }
 
   /// Which of the candidates that lie in the bin the residual equals; -1 for none.
-  TSC_ALWAYS_INLINE int codeHit(Hot<Direction>& coder, int axis, const Component& c, std::uint32_t& hits, std::int32_t bin, std::int32_t residual) {
+  TSC_ALWAYS_INLINE int codeHit(Hot<Direction>& coder, int axis, const Component& c, std::uint32_t& hits,
+                                std::int32_t bin, std::int32_t residual) {
     const std::int32_t half = 1 << (c.shift - 1);
     const std::uint32_t previous = axis > 0 ? hits >> (axis - 1) & 1 : 0;
     const int count = std::min(c.count_class + 1, kCandidates);

@@ -47,12 +47,12 @@ struct Parallelogram {
 namespace stencil_row {
 inline constexpr int kCountShift = 29;
 inline int count(const Integers& row) { return row[3] >> kCountShift & 3; }
-}
+}  // namespace stencil_row
 
 /// Enters into the states which stencils each position will have. `corner_time` holds for each corner when the position
 /// at it is coded, kNone for dummies; equal times are one position. A face counts for the last of its three positions,
-/// if its base comes before that, too. The first kMaxStencils in the order of faces are kept. From `count` on, states only
-/// get their valence.
+/// if its base comes before that, too. The first kMaxStencils in the order of faces are kept. From `count` on, states
+/// only get their valence.
 inline void collectStencils(const Surface& surface, std::span<const std::uint32_t> corner_time, std::uint32_t count,
                             std::vector<VertexState>& states) {
   const std::uint32_t faces = surface.faceCount();

@@ -1,4 +1,5 @@
 // The position stage alone: what is coded is what is decoded, near its target, whatever the parameters.
+#include "extra_positions.h"
 #include "positions.h"
 
 #include <gtest/gtest.h>
