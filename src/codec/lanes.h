@@ -30,13 +30,6 @@ inline Lanes ramp(int first) {
   return kSteps + static_cast<std::int16_t>(first);
 }
 
-inline Words loadWords(const std::uint32_t* from) {
-  Words words;
-  std::memcpy(&words, from, sizeof words);
-  return words;
-}
-inline void storeWords(std::uint32_t* to, Words words) { std::memcpy(to, &words, sizeof words); }
-
 inline Lanes loadLanes(const std::int16_t* from) {
   Lanes lanes;
   std::memcpy(&lanes, from, sizeof lanes);
