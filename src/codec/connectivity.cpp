@@ -229,7 +229,7 @@ class Traversal {
 
   /// Asks for memory, which the system gives only once it is touched, so that few meshes are copied as they grow.
   void reserve() {
-    constexpr std::uint32_t kMost = 1 << 18;
+    constexpr std::uint32_t kMost = 1 << 22;
     const std::size_t corners = 3 * (std::size_t{std::min(corner_count_ / 3, kMost)} + 2 * kTurns + 1);
     const std::size_t vertices = std::size_t{std::min(vertex_count_, kMost)} + kTurns + 3;
     surface_ = {};
