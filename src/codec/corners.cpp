@@ -29,10 +29,6 @@ struct FaceNormal {
 };
 constexpr int kNormalBits = 14;
 
-WideVec3 crossProduct(const WideVec3& a, const WideVec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 /// A real corner around a vertex.
 struct FanCorner {
   std::uint32_t corner;
@@ -110,13 +106,12 @@ class CornerCoder {
     for (std::uint32_t f = 0; f < normals_.size(); ++f) {
       if (state_.face_primitive[f] == kNone) continue;
       const Vec3 tip = at(3 * f);
-      const WideVec3 cross = crossProduct(limited(at(3 * f + 1) - tip), limited(at(3 * f + 2) - tip));
-      if (cross == WideVec3(0)) continue;
-      const WideVec3 scaled = scaledTo(cross, kNormalBits);
+      const WideVec3 normal = cross(limited(at(3 * f + 1) - tip), limited(at(3 * f + 2) - tip));
+      if (normal == WideVec3(0)) continue;
+      const WideVec3 scaled = scaledTo(normal, kNormalBits);
       normals_[f].direction = {static_cast<std::int16_t>(scaled.x), static_cast<std::int16_t>(scaled.y),
                                static_cast<std::int16_t>(scaled.z)};
-      normals_[f].length =
-          static_cast<std::int16_t>(integerSqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z));
+      normals_[f].length = static_cast<std::int16_t>(integerSqrt(dot(scaled, scaled)));
     }
   }
 

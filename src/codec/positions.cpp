@@ -36,11 +36,19 @@ struct Prediction {
 Integers clampedToLattice(Integers v) { return bounded(v, kCoordinateLimit); }
 Vec3 clampedToLattice(const Vec3& v) { return glm::clamp(v, Vec3(-kCoordinateLimit), Vec3(kCoordinateLimit)); }
 
-/// floor(log2) of each component's step.
-std::array<int, 3> stepBits(const PositionParameters& p) {
-  const int fine = p.fine_bits;
-  const int normal = p.mode == Mode::kTangent ? (1 << fine) / static_cast<int>(p.normal_scale) : 1 << fine;
-  return {static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(normal, 1)))) - 1, fine, fine};
+/// Of each component, on the fine lattice.
+std::array<std::int32_t, 3> stepsOf(const PositionParameters& p) {
+  const std::int32_t fine = 1 << p.fine_bits;
+  const bool finer = p.mode == Mode::kTangent;
+  return {finer ? std::max(fine / static_cast<std::int32_t>(p.normal_scale), 1) : fine, fine, fine};
+}
+
+/// floor(log2) of each step.
+std::array<int, 3> bitsOf(const std::array<std::int32_t, 3>& steps) {
+  const auto bits = [&](std::size_t a) {
+    return static_cast<int>(std::bit_width(static_cast<unsigned>(steps[a]))) - 1;
+  };
+  return {bits(0), bits(1), bits(2)};
 }
 
 template <class Direction>
@@ -57,15 +65,14 @@ class PositionCoder {
         exact_hits_(parameters.exact_hits),
         order_(codingOrder(surface, map, parameters.order)),
         states_(map.position_count),
-        residuals_(direction, parameters.exact_hits, stepBits(parameters)) {
-    const int fine = 1 << parameters.fine_bits;
-    step_ = {fine, fine, fine};
-    if (tangent_) step_[0] = std::max<int>(fine / static_cast<int>(parameters.normal_scale), 1);
+        step_(stepsOf(parameters)),
+        residuals_(direction, parameters.exact_hits, bitsOf(step_)) {
+    const std::array<int, 3> bits = bitsOf(step_);
+    step_bits_ = Integers{bits[0], bits[1], bits[2], 0};
     if (parameters.effort == Effort::kMax) {
       mixed_ = std::make_unique<MixedResiduals<Direction>>(
           direction, ResidualSteps(step_, parameters.fine_bits, !tangent_), adaptive_);
     }
-    for (int a = 0; a < 3; ++a) step_bits_[a] = static_cast<int>(std::bit_width(static_cast<unsigned>(step_[a]))) - 1;
   }
 
   /// Codes the first `count` positions in the order of coding. Returns the sum of squared errors when writing.
@@ -330,20 +337,18 @@ class PositionCoder {
     residual[2] += static_cast<std::int32_t>(bits & ((1u << third) - 1));
   }
 
-  static WideVec3 offsetOf(const Prediction& p) { return {p.offset[0], p.offset[1], p.offset[2]}; }
-
   TSC_ALWAYS_INLINE Integers reconstruct(const Prediction& p, const std::array<std::int32_t, 3>& residual) const {
     const Integers local =
         p.offset + Integers{residual[0] * step_[0], residual[1] * step_[1], residual[2] * step_[2], 0};
     return clampedToLattice(p.point + (tangent_ ? toLattice(p.frame, local) : local));
   }
 
-  /// The residual whose reconstruction is nearest to the target: the frame is orthonormal only up to 2^-13, so that
+  /// The residual whose reconstruction is nearest to the target: the frame is orthonormal only up to 2^-7, so that
   /// large residuals are corrected by what they leave over.
   Vec3 nearestResidual(const Prediction& p, const glm::dvec3& target) const {
-    if (!tangent_) return Vec3(glm::floor(target + 0.5)) - vectorOf(p.point) - Vec3(offsetOf(p));
-    const auto axis = [](Integers v) { return glm::dvec3(v[0], v[1], v[2]); };
-    const glm::dvec3 axes[3] = {axis(p.frame.normal), axis(p.frame.first), axis(p.frame.second)};
+    if (!tangent_) return Vec3(glm::floor(target + 0.5)) - vectorOf(p.point + p.offset);
+    const glm::dvec3 axes[3] = {glm::dvec3(vectorOf(p.frame.normal)), glm::dvec3(vectorOf(p.frame.first)),
+                                glm::dvec3(vectorOf(p.frame.second))};
     const auto steps = [&](const glm::dvec3& displacement, const glm::dvec3& from) {
       Vec3 result;
       for (int a = 0; a < 3; ++a) {
@@ -352,7 +357,7 @@ class PositionCoder {
       }
       return result;
     };
-    Vec3 residual = steps(target - glm::dvec3(vectorOf(p.point)), glm::dvec3(offsetOf(p)));
+    Vec3 residual = steps(target - glm::dvec3(vectorOf(p.point)), glm::dvec3(vectorOf(p.offset)));
     for (int pass = 0; pass < 3; ++pass) {
       const Vec3 correction =
           steps(target - glm::dvec3(vectorOf(reconstruct(p, {residual.x, residual.y, residual.z}))), glm::dvec3(0));
@@ -398,13 +403,13 @@ class PositionCoder {
   const bool adaptive_;
   const bool exact_hits_;
   CodingOrder order_;
-  std::vector<VertexState> states_;  ///< by time
+  std::vector<VertexState> states_;         ///< by time
+  const std::array<std::int32_t, 3> step_;  ///< of each component on the fine lattice
+  Integers step_bits_;                      ///< floor(log2(step))
   ResidualCoder<Direction> residuals_;
   std::unique_ptr<MixedResiduals<Direction>> mixed_;  ///< at effort max
   IntegerModel free_[3];                              ///< components of vertices without a stencil
   AdaptiveOffset offsets_[kCountClasses];
-  std::array<std::int32_t, 3> step_;  ///< of each component on the fine lattice
-  Integers step_bits_{};              ///< floor(log2(step))
   Features features_{{}, 0, 0, 0};
 };
 

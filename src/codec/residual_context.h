@@ -20,7 +20,8 @@ inline constexpr int kMaxSpread = 1 << 20;
 /// What the contexts of a vertex are made of; lanes are components.
 struct Neighbourhood {
   Integers magnitude;  ///< sum over six neighbours' residuals, in steps
-  Integers spread;     ///< how far candidates lie from the predicted point, or the gate's extents, in 1/128 steps
+  Integers spread;  ///< how far candidates lie from the predicted point, or the gate's extents, in 1/128 steps, at most
+                    ///< kMaxSpread
   int count_class = 0;
 };
 
@@ -39,7 +40,7 @@ TSC_ALWAYS_INLINE ResidualContexts residualContexts(const Neighbourhood& around)
   constexpr int kOctave = 1 << 23;
   const Integers own = around.magnitude;
   const Integers total = splatInteger(own[0] + own[1] + own[2]);
-  const Integers spread = smaller(around.spread, splatInteger(kMaxSpread));
+  const Integers spread = around.spread;
   // In 1/800 steps, below 2^24.
   const Integers expected = (own << 7) + (own << 6) + (total << 4) + spread + (spread << 1) + 256;
   const Integers size = logarithms(expected);
