@@ -165,9 +165,6 @@ Status createVertexPerPosition(AssignmentState<Direction>& state) {
     return state.error(ErrorCode::kInvalidCount, "assignment: table vertices", count,
                        state.counts.table_vertex_count[0]);
   }
-  std::vector<std::uint32_t>& positions = state.out.table_position[0];
-  positions.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) positions[i] = i;
   if constexpr (Direction::kWrites) {
     state.order->vertex[0].resize(count);
     const AssignmentInput& input = *state.input;
@@ -205,20 +202,26 @@ void emitFaces(AssignmentState<Direction>& state) {
 /// `emitFaces` for one primitive and one vertex per position, the common case that decoding should not notice.
 template <class Direction>
 Status emitFacesDirectly(AssignmentState<Direction>& state) {
-  const std::vector<std::uint32_t>& corner_vertex = state.surface.corner_vertex;
-  const std::vector<std::uint32_t>& vertex_position = state.map.vertex_position;
+  auto& corner_vertex = state.surface.corner_vertex;
   const std::uint32_t face_count = state.surface.faceCount(), room = state.counts.primitive_face_count[0];
   std::vector<std::uint32_t>& indices = state.out.primitive_indices[0];
   if (state.map.position_count == state.surface.vertexCount()) {
     // No dummies, no references: vertices and positions have the same numbers.
     if (face_count > room) return tooManyFaces(state, room, face_count);
-    indices = corner_vertex;
     state.real_face_count = face_count;
+    if constexpr (!Direction::kWrites) {
+      // Only side faces look at the surface again.
+      if (face_count == room) {
+        indices = std::move(corner_vertex);
+        return {};
+      }
+    }
+    indices = corner_vertex;
   } else {
     indices.resize(corner_vertex.size());
     std::uint32_t* to = indices.data();
     for (std::size_t c = 0; c < corner_vertex.size(); c += 3) {
-      for (std::size_t k = 0; k < 3; ++k) to[k] = vertex_position[corner_vertex[c + k]];
+      for (std::size_t k = 0; k < 3; ++k) to[k] = state.map.positionOf(corner_vertex[c + k]);
       // Faces with dummies are overwritten by the next.
       if (std::max({to[0], to[1], to[2]}) != kNone) to += 3;
     }
@@ -313,7 +316,7 @@ AssignmentOrder encodeAssignment(const Surface& surface, const PositionMap& map,
   return order;
 }
 
-Status decodeAssignment(const Surface& surface, const PositionMap& map, std::span<const glm::ivec3> positions,
+Status decodeAssignment(Surface&& surface, const PositionMap& map, std::span<const glm::ivec3> positions,
                         const Assignment::Counts& counts, EntropyReader& reader, Assignment& assignment) {
   AssignmentState<Reading> state{surface, map, positions, counts, Reading{reader}, assignment, nullptr, nullptr};
   return codeAssignment(state);

@@ -24,7 +24,8 @@ struct Assignment {
     std::vector<std::uint32_t> primitive_face_count;  ///< per primitive, side faces included
     bool one_vertex_per_position = false;  ///< one table, every position exactly one vertex: corners need no symbols
   };
-  std::vector<std::vector<std::uint32_t>> table_position;     ///< per table: position number of each vertex
+  /// Per table: position number of each vertex. Empty with one vertex per position, where the numbers are the same.
+  std::vector<std::vector<std::uint32_t>> table_position;
   std::vector<std::vector<std::uint32_t>> primitive_indices;  ///< per primitive: 3 table vertices a face; surface faces
                                                               ///< in their order, then side faces
   std::uint32_t position_count = 0;  ///< the surface's, and those that only side faces and unused vertices have
@@ -67,9 +68,10 @@ AssignmentOrder encodeAssignment(const Surface& surface, const PositionMap& map,
                                  Assignment& decoded);
 
 /// `counts` must have been checked against the caller's limits, and each primitive_table against the number of tables.
-/// Linear time and memory in `counts` and the surface, whatever the stream says.
+/// Linear time and memory in `counts` and the surface, whatever the stream says. Takes its result from the surface's
+/// memory where it can.
 /// Errors: kTruncated, kInvalidSymbol, kInvalidCount.
-[[nodiscard]] Status decodeAssignment(const Surface& surface, const PositionMap& map,
+[[nodiscard]] Status decodeAssignment(Surface&& surface, const PositionMap& map,
                                       std::span<const glm::ivec3> positions, const Assignment::Counts& counts,
                                       EntropyReader& reader, Assignment& assignment);
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "assignment.h"
@@ -35,7 +36,7 @@ struct AssignmentState {
     std::uint32_t older;  ///< id of the vertex created before it at the same position, in any table
   };
 
-  const Surface& surface;
+  std::conditional_t<Direction::kWrites, const Surface, Surface>& surface;  ///< reading uses it up
   const PositionMap& map;
   std::span<const glm::ivec3> positions;  ///< by position number, or empty
   const Assignment::Counts& counts;
@@ -61,12 +62,13 @@ struct AssignmentState {
   Status truncated(const char* where) const { return error(ErrorCode::kTruncated, where, 0, 0); }
 
   std::uint32_t tableSize(std::uint32_t table) const {
-    return static_cast<std::uint32_t>(out.table_position[table].size());
+    return counts.one_vertex_per_position ? out.position_count
+                                          : static_cast<std::uint32_t>(out.table_position[table].size());
   }
 
   /// Table vertex of a real surface corner.
   std::uint32_t cornerIndex(std::uint32_t corner) const {
-    return counts.one_vertex_per_position ? map.vertex_position[surface.corner_vertex[corner]]
+    return counts.one_vertex_per_position ? map.positionOf(surface.corner_vertex[corner])
                                           : vertices[corner_id[corner]].index;
   }
 
@@ -76,8 +78,8 @@ struct AssignmentState {
     if (index == counts.table_vertex_count[table]) {
       return error(ErrorCode::kInvalidCount, "assignment: table vertices", std::int64_t{index} + 1, index);
     }
-    out.table_position[table].push_back(position);
     if (!counts.one_vertex_per_position) {
+      out.table_position[table].push_back(position);
       const auto id = static_cast<std::uint32_t>(vertices.size());
       vertices.push_back({table, index, newest[position]});
       newest[position] = id;
@@ -97,14 +99,16 @@ struct AssignmentState {
 
   /// Creates the table's next vertex at a position beyond the surface's, which it creates too.
   Status createVertexAndPosition(std::uint32_t table, std::uint32_t input_vertex) {
-    const std::uint32_t position = out.position_count++;
+    const std::uint32_t position = out.position_count;
     if (!counts.one_vertex_per_position) newest.push_back(kNone);
     if constexpr (Direction::kWrites) {
       const std::uint32_t welded = input->table_welded[table][input_vertex];
       welded_position[welded] = position;
       order->extra_positions.push_back(welded);
     }
-    return createVertex(table, position, input_vertex);
+    if (Status status = createVertex(table, position, input_vertex)) return status;
+    ++out.position_count;
+    return {};
   }
 
   /// Lists the table's vertices at a position: `first` (if it is one of the table, else ignored), then newest first,

@@ -79,7 +79,7 @@ class CornerCoder {
       if (state_.direction.overrun()) return state_.truncated("corners");
       collectFan(v);
       if (fan_.corners.empty()) continue;
-      if (Status status = codeFan(state_.map.vertex_position[v])) return status;
+      if (Status status = codeFan(state_.map.positionOf(v))) return status;
     }
     // A surface whose umbrellas miss corners is no manifold; what follows relies on every corner being known.
     for (std::uint32_t f = 0, c = 0; f < surface_.faceCount(); ++f, c += 3) {
@@ -101,7 +101,7 @@ class CornerCoder {
   void findNormals() {
     normals_.resize(surface_.faceCount());
     const auto at = [&](std::uint32_t corner) {
-      return state_.positions[state_.map.vertex_position[surface_.corner_vertex[corner]]];
+      return state_.positions[state_.map.positionOf(surface_.corner_vertex[corner])];
     };
     for (std::uint32_t f = 0; f < normals_.size(); ++f) {
       if (state_.face_primitive[f] == kNone) continue;

@@ -84,7 +84,7 @@ inline CodingOrder codingOrder(const Surface& surface, const PositionMap& map, O
     std::vector<std::uint32_t> time(map.position_count, kNone);
     result.position.reserve(map.position_count);
     visitByDegree(surface, [&](std::uint32_t v) {
-      const std::uint32_t position = map.vertex_position[v];
+      const std::uint32_t position = map.positionOf(v);
       if (time[position] != kNone) return true;
       time[position] = static_cast<std::uint32_t>(result.position.size());
       result.position.push_back(position);
@@ -92,7 +92,7 @@ inline CodingOrder codingOrder(const Surface& surface, const PositionMap& map, O
     });
     time_of_vertex.assign(surface.vertexCount(), kNone);
     for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
-      if (!surface.is_dummy[v]) time_of_vertex[v] = time[map.vertex_position[v]];
+      if (!surface.is_dummy[v]) time_of_vertex[v] = time[map.positionOf(v)];
     }
   }
   if (order == Order::kTraversal && map.position_count == surface.vertexCount()) {

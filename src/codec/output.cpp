@@ -23,36 +23,48 @@ void store(std::byte* to, T value) {
   }
 }
 
+/// Calls visit(vertex, position) for each vertex of a table; `numbers` as in Assignment::table_position.
+template <class Visit>
+void forVertices(std::span<const std::uint32_t> numbers, std::span<const Vec3> positions, std::size_t count,
+                 Visit visit) {
+  if (numbers.empty()) {
+    for (std::size_t i = 0; i < count; ++i) visit(i, positions[i]);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) visit(i, positions[numbers[i]]);
+  }
+}
+
 template <class T>
 Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t> numbers,
                              std::span<const Vec3> positions, std::span<std::byte> output) {
   const std::size_t stride = positionStride(header.position_type);
   std::fill(output.begin(), output.end(), std::byte{0});
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
+  Status status;
+  forVertices(numbers, positions, output.size() / stride, [&](std::size_t i, const Vec3& q) {
     for (int a = 0; a < 3; ++a) {
-      const std::int64_t value = header.anchor[a] + positions[numbers[i]][a];
+      const std::int64_t value = header.anchor[a] + q[a];
       if (value < std::numeric_limits<T>::min() || value > std::numeric_limits<T>::max()) {
-        return Error{ErrorCode::kInvalidCount, "integer position", 0, value, std::numeric_limits<T>::max()};
+        status = Error{ErrorCode::kInvalidCount, "integer position", 0, value, std::numeric_limits<T>::max()};
       }
       store(output.data() + i * stride + a * sizeof(T), static_cast<T>(value));
     }
-  }
-  return {};
+  });
+  return status;
 }
 
 Status writeFloatPositions(const Header& header, std::span<const std::uint32_t> numbers,
                            std::span<const Vec3> positions, std::span<std::byte> output) {
   const Lattice lattice(header);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const Vec3& q = positions[numbers[i]];
-    const std::array<std::int32_t, 3> coordinates = {q.x, q.y, q.z};
+  double largest = 0;
+  forVertices(numbers, positions, output.size() / 12, [&](std::size_t i, const Vec3& q) {
     for (int a = 0; a < 3; ++a) {
-      const double exact = lattice.coordinate(coordinates[a], a);
-      if (!(std::abs(exact) <= double{std::numeric_limits<float>::max()})) {
-        return Error{ErrorCode::kInvalidCount, "float position", 0, coordinates[a], 0};
-      }
+      const double exact = lattice.coordinate(q[a], a);
+      largest = std::max(largest, std::abs(exact));
       store(output.data() + 12 * i + 4 * a, static_cast<float>(exact));
     }
+  });
+  if (!(largest <= double{std::numeric_limits<float>::max()})) {
+    return Error{ErrorCode::kInvalidCount, "float position", 0, 0, 0};
   }
   return {};
 }

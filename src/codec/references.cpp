@@ -233,6 +233,11 @@ void encodeReferences(const Surface& surface, const PositionMap& map, bool has_r
 
 Status decodeReferences(const Surface& surface, bool has_references, EntropyReader& reader, PositionMap& map) {
   if (has_references) return ReferenceCoder<Reading>(surface, Reading{reader}, map, nullptr).run();
+  const std::vector<std::uint8_t>& is_dummy = surface.is_dummy;
+  if (std::find(is_dummy.begin(), is_dummy.end(), 1) == is_dummy.end()) {
+    map = {{}, surface.vertexCount()};
+    return {};
+  }
   map.vertex_position.resize(surface.vertexCount());
   map.position_count = 0;
   for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {

@@ -15,8 +15,12 @@ namespace tsc {
 /// For each vertex of the surface its position number: positions are numbered by first appearance in the surface's
 /// vertex order; a vertex with an earlier number repeats that position. kNone for dummies.
 struct PositionMap {
-  std::vector<std::uint32_t> vertex_position;
+  std::vector<std::uint32_t> vertex_position;  ///< may be empty where vertices and positions have the same numbers
   std::uint32_t position_count = 0;
+
+  std::uint32_t positionOf(std::uint32_t vertex) const {
+    return vertex_position.empty() ? vertex : vertex_position[vertex];
+  }
 };
 
 /// Numbers the positions of a surface. `vertex_welded` holds for each vertex of the surface its welded vertex (kNone

@@ -68,7 +68,7 @@ std::vector<PlannedFace> planFaces(const AssignmentState<Writing>& state) {
   for (std::uint32_t f = 0; f < state.surface.faceCount() && !keys.empty(); ++f) {
     if (state.face_primitive[f] == kNone) continue;
     Triple positions;
-    for (int k = 0; k < 3; ++k) positions[k] = state.map.vertex_position[state.surface.corner_vertex[3 * f + k]];
+    for (int k = 0; k < 3; ++k) positions[k] = state.map.positionOf(state.surface.corner_vertex[3 * f + k]);
     const std::uint32_t first = smallestCorner(positions);
     const auto [begin, end] = std::equal_range(keys.begin(), keys.end(), Key{rotated(positions, first), 0});
     for (auto key = begin; key != end; ++key) {
@@ -176,7 +176,7 @@ class SideFaceCoder {
         indices[k] = state_.cornerIndex(corner);
         continue;
       }
-      const std::uint32_t position = state_.map.vertex_position[state_.surface.corner_vertex[corner]];
+      const std::uint32_t position = state_.map.positionOf(state_.surface.corner_vertex[corner]);
       std::uint32_t id = kNone;
       if (Status status =
               state_.chooseVertex(position, table, state_.corner_id[corner], kNone, input[k], duplicate_vertex_, id)) {

@@ -284,6 +284,7 @@ void numberUmbrellas(std::span<const std::uint32_t> input_vertex, CutMesh& cut) 
     if (surface.corner_vertex[first] != kNone) continue;
     const std::uint32_t vertex = surface.vertexCount();
     surface.vertex_corner.push_back(first);
+    surface.is_dummy.push_back(0);
     cut.welded_vertex.push_back(input_vertex[first]);
     // All the way around to the left; where that ends at a boundary, from the start to the right.
     std::uint32_t corner = first;
@@ -318,6 +319,7 @@ void closeHoles(CutMesh& cut) {
     const std::uint32_t dummy = surface.vertexCount();
     const auto first_dummy_corner = static_cast<std::uint32_t>(surface.corner_vertex.size());
     surface.vertex_corner.push_back(first_dummy_corner);
+    surface.is_dummy.push_back(1);
     cut.welded_vertex.push_back(kNone);
 
     // A dummy face has the corners dummy, end, start of its boundary half-edge: it runs against it.
@@ -389,10 +391,7 @@ CutMesh cutToManifold(std::span<const float> welded_positions, std::span<const s
   }
   cut.surface.opposite = pairHalfEdges(welded_positions, kept);
   numberUmbrellas(kept, cut);
-  const std::uint32_t real_vertex_count = cut.surface.vertexCount();
   closeHoles(cut);
-  cut.surface.is_dummy.assign(cut.surface.vertexCount(), 0);
-  std::fill(cut.surface.is_dummy.begin() + real_vertex_count, cut.surface.is_dummy.end(), std::uint8_t{1});
   return cut;
 }
 

@@ -25,9 +25,10 @@ inline std::uint32_t previousCorner(std::uint32_t corner) { return corner % 3 ==
 struct Surface {
   std::vector<std::uint32_t> corner_vertex;  ///< vertex at each corner, 3 a face
   std::vector<std::uint32_t> opposite;       ///< corner facing the same edge from the other side; never kNone
-  std::vector<std::uint32_t> vertex_corner;  ///< for each vertex one of its corners, the same on both sides
+  /// For each vertex one of its corners, the same on both sides.
+  std::vector<std::uint32_t> vertex_corner;
   std::vector<std::uint8_t> is_dummy;        ///< for each vertex: 1 where it closes a hole
-  std::uint32_t vertexCount() const { return static_cast<std::uint32_t>(vertex_corner.size()); }
+  std::uint32_t vertexCount() const { return static_cast<std::uint32_t>(is_dummy.size()); }
   std::uint32_t faceCount() const { return static_cast<std::uint32_t>(corner_vertex.size() / 3); }
 };
 
