@@ -1,26 +1,45 @@
 #include "choose.h"
 
 #include <cmath>
+#include <optional>
 
 #include "format.h"
 
 namespace tsc {
 namespace {
 
-/// Codes the first `count` positions.
-Trial tryPositions(const PositionInput& input, Header header, const PositionParameters& parameters,
-                   std::uint32_t count) {
-  Trial trial;
-  trial.parameters = parameters;
-  trial.position_count = std::min(count, input.map.position_count);
-  header.positions = parameters;
-  const std::vector<glm::dvec3> targets = targetsOf(input.welded_positions, input.position_welded, header);
-  const double squares =
-      encodePositions(input.surface, input.map, parameters, targets, trial.writer, trial.decoded, count);
-  trial.bits = trial.writer.bitsSince(0);
-  trial.squared_error = std::ldexp(squares, -2 * parameters.fine_bits);
-  return trial;
-}
+/// Runs trials on the same positions.
+class Trials {
+ public:
+  Trials(const PositionInput& input, Header header) : input_(input) {
+    header.positions.fine_bits = 0;
+    targets_ = targetsOf(input.welded_positions, input.position_welded, header);
+  }
+
+  /// Codes the first `count` positions; `keeps_result` where they are all.
+  Trial run(const PositionParameters& parameters, std::uint32_t count, bool keeps_result) {
+    Trial trial;
+    trial.parameters = parameters;
+    trial.position_count = std::min(count, input_.map.position_count);
+    const double squares = encodePositions(input_.surface, startFor(parameters.order), parameters, targets_,
+                                           trial.writer, keeps_result ? &trial.decoded : nullptr, count);
+    trial.bits = trial.writer.bitsSince(0);
+    trial.squared_error = std::ldexp(squares, -2 * parameters.fine_bits);
+    return trial;
+  }
+
+ private:
+  const CodingStart& startFor(Order order) {
+    if (!start_ || start_order_ != order) start_ = codingStart(input_.surface, input_.map, order);
+    start_order_ = order;
+    return *start_;
+  }
+
+  const PositionInput& input_;
+  std::vector<glm::dvec3> targets_;
+  std::optional<CodingStart> start_;
+  Order start_order_ = Order::kAuto;
+};
 
 /// So many positions tell which way is the cheapest.
 std::uint32_t sampleSize(std::uint32_t position_count) {
@@ -83,14 +102,24 @@ std::vector<PositionParameters> candidatesFor(const Header& header, const Encode
 
 Trial bestPositions(const PositionInput& input, const Header& header, const EncodeOptions& options, const Box& box) {
   const std::vector<PositionParameters> candidates = candidatesFor(header, options, box);
-  const std::uint32_t sample = candidates.size() > 1 ? sampleSize(input.map.position_count) : kNone;
-  Trial best = tryPositions(input, header, candidates[0], sample);
+  Trials trials(input, header);
+  if (candidates.size() == 1) return trials.run(candidates[0], kNone, true);
+
+  const std::uint32_t sample = sampleSize(input.map.position_count);
+  Trial best = trials.run(candidates[0], sample, false);
   for (std::size_t i = 1; i < candidates.size(); ++i) {
-    Trial trial = tryPositions(input, header, candidates[i], sample);
+    Trial trial = trials.run(candidates[i], sample, false);
     if (trial.cost() < best.cost()) best = std::move(trial);
   }
-  if (best.position_count == input.map.position_count) return best;
-  return tryPositions(input, header, best.parameters, kNone);
+  if (options.effort == Effort::kDefault) {
+    constexpr std::uint32_t kLarge = 1 << 13;
+    // Mixing candidates takes a tenth of the time to decode, and must be worth it on meshes whose time counts.
+    const double worth = input.map.position_count < kLarge ? 1 : 1.02;
+    PositionParameters faster = best.parameters;
+    faster.centred_only = true;
+    if (trials.run(faster, sample, false).cost() < worth * best.cost()) best.parameters = faster;
+  }
+  return trials.run(best.parameters, kNone, true);
 }
 
 }  // namespace tsc

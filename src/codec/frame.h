@@ -53,7 +53,7 @@ struct Frame {
 
 /// `v` at a length between 2^13 and 2^14 * sqrt(3): its largest component scaled by a power of two to kUnitInputBits
 /// bits. Lane 3 becomes 0.
-inline Integers scaledForUnit(Integers v) {
+TSC_ALWAYS_INLINE Integers scaledForUnit(Integers v) {
   const Integers vector = v & Integers{-1, -1, -1, 0};
   return scaled(vector, kUnitInputBits - magnitudeBits(vector));
 }

@@ -54,19 +54,19 @@ std::array<int, 3> bitsOf(const std::array<std::int32_t, 3>& steps) {
 template <class Direction>
 class PositionCoder {
  public:
-  PositionCoder(Direction direction, const Surface& surface, const PositionMap& map,
+  /// `states`: as in CodingStart, of those positions that are to be coded.
+  PositionCoder(Direction direction, const Surface& surface, const CodingOrder& order, std::vector<VertexState> states,
                 const PositionParameters& parameters)
       : direction_(direction),
         surface_(surface),
-        position_count_(map.position_count),
         parameters_(parameters),
         tangent_(parameters.mode == Mode::kTangent),
         adaptive_(parameters.predictor == Predictor::kAdaptive),
         exact_hits_(parameters.exact_hits),
-        order_(codingOrder(surface, map, parameters.order)),
-        states_(map.position_count),
+        order_(order),
+        states_(std::move(states)),
         step_(stepsOf(parameters)),
-        residuals_(direction, parameters.exact_hits, bitsOf(step_)) {
+        residuals_(direction, parameters.exact_hits, parameters.centred_only, bitsOf(step_)) {
     const std::array<int, 3> bits = bitsOf(step_);
     step_bits_ = Integers{bits[0], bits[1], bits[2], 0};
     if (parameters.effort == Effort::kMax) {
@@ -75,17 +75,17 @@ class PositionCoder {
     }
   }
 
-  /// Codes the first `count` positions in the order of coding. Returns the sum of squared errors when writing.
-  double run(std::span<const glm::dvec3> target, std::uint32_t count) {
-    collectStencils(surface_, order_.corner_time, count, states_);
+  /// Returns the sum of squared errors when writing.
+  double run(std::span<const glm::dvec3> target) {
     double squared_error = 0;
+    const double cells = 1 << parameters_.fine_bits;
     Hot<Direction> coder(direction_);
-    for (std::uint32_t time = 0; time < std::min(position_count_, count); ++time) {
+    for (std::uint32_t time = 0; time < states_.size(); ++time) {
       if (time % kOverrunInterval == 0) {
         coder.to(direction_);
         if (direction_.overrun()) break;
       }
-      const glm::dvec3 wanted = Direction::kWrites ? target[positionAt(time)] : glm::dvec3(0);
+      const glm::dvec3 wanted = Direction::kWrites ? target[positionAt(time)] * cells : glm::dvec3(0);
       codeVertex(coder, time, wanted);
       if constexpr (Direction::kWrites) {
         const glm::dvec3 error = wanted - glm::dvec3(vectorOf(states_[time].point));
@@ -98,8 +98,8 @@ class PositionCoder {
 
   /// What the decoder has, by position number.
   std::vector<Vec3> decoded() const {
-    std::vector<Vec3> positions(position_count_);
-    for (std::uint32_t time = 0; time < position_count_; ++time) {
+    std::vector<Vec3> positions(states_.size());
+    for (std::uint32_t time = 0; time < states_.size(); ++time) {
       positions[positionAt(time)] = vectorOf(states_[time].point);
     }
     return positions;
@@ -116,9 +116,9 @@ class PositionCoder {
     if (stencils.count == 0 || mixed_) [[unlikely]] {
       coder.to(direction_);
       if (stencils.count == 0) {
-        codeFree(time, stencils, target);
+        codeFree(time, target);
       } else {
-        codeMixed(time, stencils, target);
+        codeMixed(time, target);
       }
       coder.from(direction_);
     } else {
@@ -129,7 +129,8 @@ class PositionCoder {
   }
 
   /// A vertex without a complete parallelogram, the first triangle of a component above all: exact to the fine lattice.
-  [[gnu::noinline]] void codeFree(std::uint32_t time, const Stencils& stencils, const glm::dvec3& target) {
+  [[gnu::noinline]] void codeFree(std::uint32_t time, const glm::dvec3& target) {
+    const Stencils stencils = stencilsOf(states_[time]);
     std::uint32_t origin_time = time - 1;
     if (stencils.corner[0] != kNone) {
       origin_time = parallelogramAt(surface_, order_.corner_time, stencils.corner[0]).right;
@@ -146,7 +147,8 @@ class PositionCoder {
   }
 
   /// Effort max (section 6.9). The stencils' order becomes that of the arc.
-  [[gnu::noinline]] void codeMixed(std::uint32_t time, const Stencils& stencils, const glm::dvec3& target) {
+  [[gnu::noinline]] void codeMixed(std::uint32_t time, const glm::dvec3& target) {
+    const Stencils stencils = stencilsOf(states_[time]);
     const Arc arc = arcOf(surface_, order_.corner_time, stencils);
     Prediction p;
     std::array<Parallelogram, kMaxStencils> parallelograms;
@@ -212,8 +214,9 @@ class PositionCoder {
       p.around[3 * j + 1] = right;
       p.around[3 * j + 2] = base;
     }
-    p.magnitude = Integers{};
-    for (const VertexState* state : p.around) p.magnitude += state->magnitude();
+    Lanes memory{};
+    for (const VertexState* state : p.around) memory += loadLanes(state->memory.data());
+    p.magnitude = widenedHigh(memory);
     p.mean = average(p.candidates[0], p.candidates[1] + p.candidates[2] - p.candidates[0] - p.candidates[0], count);
   }
 
@@ -271,43 +274,62 @@ class PositionCoder {
     return around;
   }
 
-  /// `learning`: the component whose shares learn from this vertex, if any.
+  /// `learning`: the component whose candidates learn from this vertex, if any.
   TSC_ALWAYS_INLINE void codeResiduals(Hot<Direction>& coder, VertexState& state, std::int32_t valence,
                                        std::uint32_t learning, const Prediction& p, const glm::dvec3& target) {
     std::array<std::int32_t, 3> wanted{};
     if constexpr (Direction::kWrites) wanted = wantedResidual(p, target);
     std::array<Integers, kCandidates> candidates = candidatesOf(p);
     const ResidualContexts contexts = residualContexts(neighbourhoodOf(p, candidates));
-    std::array<Integers, kCandidates> offsets;
-    for (std::size_t j = 0; j < kCandidates; ++j) {
-      candidates[j] -= p.offset;
-      offsets[j] = scaledDown(candidates[j], contexts.shifts + step_bits_, kMaxOffset);
-    }
     std::array<std::int32_t, 3> residual;
     std::uint32_t hits = 0;
+    if (exact_hits_ || (p.count_class > 0 && residuals_.usesCandidates())) {
+      codeComponents<true>(coder, p, contexts, candidates, learning, wanted, hits, residual);
+    } else {
+      codeComponents<false>(coder, p, contexts, candidates, learning, wanted, hits, residual);
+    }
+    codeLowBits(coder, contexts, hits, wanted, residual);
+    remember(state, valence, p, residual, hits);
+    if (adaptive_ && learning % 2 == 1) {
+      offsets_[p.count_class].learn(features_, Integers{residual[0], residual[1], residual[2], 0});
+    }
+  }
+
+  /// `candidates`: their displacements from the predicted point, local.
+  template <bool kWithCandidates>
+  TSC_ALWAYS_INLINE void codeComponents(Hot<Direction>& coder, const Prediction& p, const ResidualContexts& contexts,
+                                        std::array<Integers, kCandidates> candidates, std::uint32_t learning,
+                                        const std::array<std::int32_t, 3>& wanted, std::uint32_t& hits,
+                                        std::array<std::int32_t, 3>& residual) {
+    std::array<Integers, kCandidates> offsets;
+    if constexpr (kWithCandidates) {
+      for (std::size_t j = 0; j < kCandidates; ++j) {
+        candidates[j] -= p.offset;
+        offsets[j] = scaledDown(candidates[j], contexts.shifts + step_bits_, kMaxOffset);
+      }
+    }
     const auto component = [&](int a) {
       Component c;
       c.scale = contexts.scale(a);
       c.shift = contexts.shift(a);
       c.ratio = contexts.ratio(a);
-      c.count_class = p.count_class;
-      c.first_offset = offsets[0][a];
-      c.second_offset = offsets[1][a];
-      if (exact_hits_) {
-        const std::int32_t half_step = (1 << step_bits_[a]) >> 1;
-        c.candidates = {(candidates[0][a] + half_step) >> step_bits_[a],
-                        (candidates[1][a] + half_step) >> step_bits_[a]};
-        c.hits_around = (p.left()->hits() >> a & 1) + (p.right()->hits() >> a & 1);
+      if constexpr (kWithCandidates) {
+        c.count_class = p.count_class;
+        c.first_offset = offsets[0][a];
+        c.second_offset = offsets[1][a];
+        c.candidates_learn = learning == static_cast<std::uint32_t>(a);
+        if (exact_hits_) {
+          const std::int32_t half_step = (1 << step_bits_[a]) >> 1;
+          c.candidates = {(candidates[0][a] + half_step) >> step_bits_[a],
+                          (candidates[1][a] + half_step) >> step_bits_[a]};
+          c.hits_around = (p.left()->hits() >> a & 1) + (p.right()->hits() >> a & 1);
+        }
       }
-      c.shares_learn = learning == static_cast<std::uint32_t>(a);
       return c;
     };
-    residual[0] = residuals_.template code<0>(coder, component(0), hits, wanted[0]);
-    residual[1] = residuals_.template code<1>(coder, component(1), hits, wanted[1]);
-    residual[2] = residuals_.template code<2>(coder, component(2), hits, wanted[2]);
-    codeLowBits(coder, contexts, hits, wanted, residual);
-    if (adaptive_) offsets_[p.count_class].learn(features_, Integers{residual[0], residual[1], residual[2], 0});
-    remember(state, valence, p, residual, hits);
+    residual[0] = residuals_.template code<0, kWithCandidates>(coder, component(0), hits, wanted[0]);
+    residual[1] = residuals_.template code<1, kWithCandidates>(coder, component(1), hits, wanted[1]);
+    residual[2] = residuals_.template code<2, kWithCandidates>(coder, component(2), hits, wanted[2]);
   }
 
   TSC_ALWAYS_INLINE void remember(VertexState& state, std::int32_t valence, const Prediction& p,
@@ -397,12 +419,11 @@ class PositionCoder {
 
   Direction direction_;
   const Surface& surface_;
-  std::uint32_t position_count_;
   const PositionParameters& parameters_;
   const bool tangent_;
   const bool adaptive_;
   const bool exact_hits_;
-  CodingOrder order_;
+  const CodingOrder& order_;
   std::vector<VertexState> states_;         ///< by time
   const std::array<std::int32_t, 3> step_;  ///< of each component on the fine lattice
   Integers step_bits_;                      ///< floor(log2(step))
@@ -415,19 +436,28 @@ class PositionCoder {
 
 }  // namespace
 
-double encodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
-                       std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>& decoded,
+CodingStart codingStart(const Surface& surface, const PositionMap& map, Order order) {
+  CodingStart start{codingOrder(surface, map, order), std::vector<VertexState>(map.position_count)};
+  collectStencils(surface, start.order.corner_time, start.states);
+  return start;
+}
+
+double encodePositions(const Surface& surface, const CodingStart& start, const PositionParameters& parameters,
+                       std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>* decoded,
                        std::uint32_t count) {
-  PositionCoder<Writing> coder(Writing{writer}, surface, map, parameters);
-  const double squared_error = coder.run(target, count);
-  decoded = coder.decoded();
+  const auto first = start.states.begin();
+  std::vector<VertexState> states(first, first + std::min<std::ptrdiff_t>(count, std::ssize(start.states)));
+  PositionCoder<Writing> coder(Writing{writer}, surface, start.order, std::move(states), parameters);
+  const double squared_error = coder.run(target);
+  if (decoded != nullptr) *decoded = coder.decoded();
   return squared_error;
 }
 
 Status decodePositions(Surface& surface, const PositionMap& map, const PositionParameters& parameters,
                        bool edges_end_here, EntropyReader& reader, std::vector<Vec3>& decoded) {
-  PositionCoder<Reading> coder(Reading{reader}, surface, map, parameters);
-  coder.run({}, kNone);
+  CodingStart start = codingStart(surface, map, parameters.order);
+  PositionCoder<Reading> coder(Reading{reader}, surface, start.order, std::move(start.states), parameters);
+  coder.run({});
   if (edges_end_here) surface.opposite = std::vector<std::uint32_t>();
   decoded = coder.decoded();
   if (reader.overrun()) return Error{ErrorCode::kTruncated, "positions", reader.position()};

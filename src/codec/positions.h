@@ -6,7 +6,9 @@
 
 #include "entropy.h"
 #include "frame.h"
+#include "order.h"
 #include "references.h"
+#include "stencil.h"
 #include "surface.h"
 #include "tsc/codec.h"
 
@@ -22,13 +24,22 @@ struct PositionParameters {
   int fine_bits = 0;               ///< k: the fine lattice has 2^k points to a tangential step; 0 in lattice mode
   std::uint32_t normal_scale = 1;  ///< in tangent mode
   bool exact_hits = false;         ///< residuals may be signalled as exactly a candidate's
+  bool centred_only = false;       ///< candidates have no part in the probabilities of residuals; not at effort max
 };
 
+/// What coding starts from. Depends on nothing but the order, so that trials share it.
+struct CodingStart {
+  CodingOrder order;
+  std::vector<VertexState> states;  ///< by time
+};
+/// The result refers to `surface`.
+CodingStart codingStart(const Surface& surface, const PositionMap& map, Order order);
+
 /// Codes the positions that the surface has, or the first `count` in the order of coding. `target` holds them by
-/// position number, in units of the fine lattice and within +-2^26; `decoded` receives what the decoder will have.
-/// Returns the sum of squared distances between the two, in these units.
-double encodePositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
-                       std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>& decoded,
+/// position number, in steps and within +-2^26 on the fine lattice; `decoded`, if given, receives what the decoder will
+/// have. Returns the sum of squared distances between the two, on the fine lattice.
+double encodePositions(const Surface& surface, const CodingStart& start, const PositionParameters& parameters,
+                       std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>* decoded,
                        std::uint32_t count = kNone);
 /// `edges_end_here`: nothing after this needs the surface's edges, whose memory is then given back before the result
 /// takes its own. Errors: kTruncated.

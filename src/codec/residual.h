@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 
 #include "direction.h"
 #include "lanes.h"
@@ -147,10 +148,10 @@ TSC_ALWAYS_INLINE int codeBin(Coder& coder, CentredTable& table, int bin) {
 }
 
 /// Codes a bin by all experts. `offsets`, in bins within +-kMaxOffset, are where the candidates lie. The centred table
-/// learns, the candidates' table by the candidate that gave the bin most, and, if `shares_learn`, the shares.
+/// learns; if `candidates_learn`, so do the shares, and the candidates' table by the candidate nearest to the bin.
 template <int kLane, class Coder>
 TSC_ALWAYS_INLINE int codeBin(Coder& coder, CentredTable& centred, ShiftedTable& shifted, int first_offset,
-                              int second_offset, MixWeights& weights, bool shares_learn, int bin) {
+                              int second_offset, MixWeights& weights, bool candidates_learn, int bin) {
   // Of the window's bin k, k = 1..15.
   const std::array<const std::int16_t*, kExperts> below = {centred.below.data(),
                                                            shifted.below.data() + (kMaxOffset - first_offset),
@@ -165,16 +166,20 @@ TSC_ALWAYS_INLINE int codeBin(Coder& coder, CentredTable& centred, ShiftedTable&
   // The sum of the shares and kTableTotal keep the last lane below 2^15 - 1.
   bin = Window(low, high).code<kLane>(coder, bin);
 
-  std::array<std::uint32_t, kExperts> given;
-  const bool last = bin == kWindowBins - 1;
-  for (std::size_t j = 0; j < kExperts; ++j) {
-    const int lower = bin == 0 ? 0 : below[j][bin];
-    const int upper = last ? kTableTotal : below[j][bin + 1];
-    given[j] = static_cast<std::uint32_t>(upper - lower);
+  if (candidates_learn) {
+    std::array<std::uint32_t, kExperts> given;
+    const bool last = bin == kWindowBins - 1;
+    for (std::size_t j = 0; j < kExperts; ++j) {
+      const int lower = bin == 0 ? 0 : below[j][bin];
+      const int upper = last ? kTableTotal : below[j][bin + 1];
+      given[j] = static_cast<std::uint32_t>(upper - lower);
+    }
+    weights.update(given);
+    const int from_first = std::abs(bin - kWindowCentre - first_offset);
+    const int from_second = std::abs(bin - kWindowCentre - second_offset);
+    shifted.update(bin + kMaxOffset - (from_second < from_first ? second_offset : first_offset));
   }
-  if (shares_learn) weights.update(given);
   centred.update(bin);
-  shifted.update(bin + kMaxOffset - (given[2] > given[1] ? second_offset : first_offset));
   return bin;
 }
 

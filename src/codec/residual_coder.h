@@ -26,21 +26,28 @@ struct Component {
   int first_offset, second_offset;                   ///< of the candidates, in bins, at most kMaxOffset
   std::array<std::int32_t, kCandidates> candidates;  ///< the residuals at which they lie; these two for exact hits only
   int hits_around;                                   ///< how many of the gate's ends had a hit on this axis
-  bool shares_learn;
+  bool candidates_learn;
 };
 
 template <class Direction>
 class ResidualCoder {
  public:
-  /// `exact_hits`: whether residuals may be signalled as exactly a candidate's; it stands in the header. `step_bits`:
-  /// floor(log2(step)) of each axis.
-  ResidualCoder(Direction direction, bool exact_hits, const std::array<int, 3>& step_bits)
-      : direction_(direction), exact_hits_(exact_hits), step_bits_(step_bits), models_(std::make_unique<Models>()) {}
+  /// `exact_hits` and `centred_only` as in PositionParameters. `step_bits`: floor(log2(step)) of each axis.
+  ResidualCoder(Direction direction, bool exact_hits, bool centred_only, const std::array<int, 3>& step_bits)
+      : direction_(direction),
+        exact_hits_(exact_hits),
+        centred_only_(centred_only),
+        step_bits_(step_bits),
+        models_(std::make_unique<Models>()) {}
+
+  /// Whether candidates play a part where there are two or more.
+  bool usesCandidates() const { return !centred_only_ || exact_hits_; }
 
   /// Codes a residual in steps but for what lies below its bin's width; only writing looks at `residual`. Returns the
   /// lowest residual of the bin, or, where it is a hit, the residual itself; `hits` holds the axes of this vertex that
-  /// were hits, a bit each, and is updated.
-  template <int kAxis>
+  /// were hits, a bit each, and is updated. Without `kCandidates`, where usesCandidates() is false or the vertex has
+  /// one stencil and no hits are coded, nothing of them is looked at.
+  template <int kAxis, bool kWithCandidates>
   TSC_ALWAYS_INLINE std::int32_t code(Hot<Direction>& coder, const Component& c, std::uint32_t& hits,
                                       std::int32_t residual) {
     Models& m = *models_;
@@ -52,11 +59,11 @@ class ResidualCoder {
       bin = std::clamp(wide_bin + kWindowCentre, 0, kWindowBins - 1);
     }
     CentredTable& centred = m.centred[kAxis][c.scale][c.ratio];
-    if (c.count_class == 0) {
+    if (!kWithCandidates || c.count_class == 0 || centred_only_) {
       bin = codeBin<kAxis>(coder, centred, bin);
     } else {
       bin = codeBin<kAxis>(coder, centred, m.shifted[kAxis][c.scale], c.first_offset, c.second_offset,
-                           m.weights[c.count_class - 1][kAxis], c.shares_learn, bin);
+                           m.weights[c.count_class - 1][kAxis], c.candidates_learn, bin);
     }
     std::int32_t value = bin - kWindowCentre;
     if (bin == 0 || bin == kWindowBins - 1) [[unlikely]] {
@@ -64,7 +71,7 @@ class ResidualCoder {
       value = codeBeyond(kAxis, c.shift, value, wide_bin);
       coder.from(direction_);
     }
-    if (exact_hits_ && c.shift > 0) {
+    if (kWithCandidates && exact_hits_ && c.shift > 0) {
       const int hit = codeHit(coder, kAxis, c, hits, value, residual);
       if (hit >= 0) return c.candidates[static_cast<std::size_t>(hit)];
     }
@@ -128,6 +135,7 @@ class ResidualCoder {
 
   Direction direction_;
   bool exact_hits_;
+  bool centred_only_;
   std::array<int, 3> step_bits_;
   std::unique_ptr<Models> models_;
 };

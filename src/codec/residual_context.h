@@ -14,7 +14,7 @@ inline constexpr int kScaleClasses = 32;
 inline constexpr int kShiftClasses = 13;
 inline constexpr int kRatioClasses = 15;
 inline constexpr int kCountClasses = 3;     // 1, 2, 3 complete parallelograms
-inline constexpr int kMaxMagnitude = 8191;  // stored magnitudes saturate here
+inline constexpr int kMaxMagnitude = 5461;  // stored magnitudes saturate here, so that six fit 16 bits
 inline constexpr int kMaxSpread = 1 << 20;
 
 /// What the contexts of a vertex are made of; lanes are components.

@@ -51,9 +51,8 @@ inline int count(const Integers& row) { return row[3] >> kCountShift & 3; }
 
 /// Enters into the states which stencils each position will have. `corner_time` holds for each corner when the position
 /// at it is coded, kNone for dummies; equal times are one position. A face counts for the last of its three positions,
-/// if its base comes before that, too. The first kMaxStencils in the order of faces are kept. From `count` on, states
-/// only get their valence.
-inline void collectStencils(const Surface& surface, std::span<const std::uint32_t> corner_time, std::uint32_t count,
+/// if its base comes before that, too. The first kMaxStencils in the order of faces are kept.
+inline void collectStencils(const Surface& surface, std::span<const std::uint32_t> corner_time,
                             std::vector<VertexState>& states) {
   const std::uint32_t faces = surface.faceCount();
   for (std::uint32_t f = 0; f < faces; ++f) {
@@ -71,7 +70,6 @@ inline void collectStencils(const Surface& surface, std::span<const std::uint32_
       continue;
     }
     for (int i = 0; i < 3; ++i) ++states[time[i]].point[3];
-    if (last >= count) continue;
     const std::uint32_t base = corner_time[surface.opposite[3 * f + k]];
     Integers& row = states[last].point;
     const int stencils = stencil_row::count(row);
@@ -98,8 +96,8 @@ inline Parallelogram parallelogramAt(const Surface& surface, std::span<const std
                                      std::uint32_t corner) {
   static constexpr std::array<std::uint8_t, 4> kNext = {1, 2, 0, 0};
   static constexpr std::array<std::uint8_t, 4> kPrevious = {2, 0, 1, 0};
-  const std::uint32_t first = 3 * (corner >> 2);
-  const std::uint32_t k = corner & 3;
+  const std::size_t first = std::size_t{3} * (corner >> 2);
+  const std::size_t k = corner & 3;
   return {corner_time[first + kNext[k]], corner_time[first + kPrevious[k]], corner_time[surface.opposite[first + k]]};
 }
 

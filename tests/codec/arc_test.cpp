@@ -26,7 +26,7 @@ struct Timed {
     for (const std::uint32_t v : surface.corner_vertex) {
       corner_time.push_back(surface.is_dummy[v] ? kNone : time[v] % count);
     }
-    collectStencils(surface, corner_time, count, states);
+    collectStencils(surface, corner_time, states);
   }
   Arc arcAt(std::uint32_t time) const { return arcOf(surface, corner_time, stencilsOf(states[time])); }
 };

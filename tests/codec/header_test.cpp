@@ -52,10 +52,11 @@ ErrorCode errorOf(const Bytes& bytes) {
 }
 
 // lattice, gate, average, traversal; float32, one vertex per position; step 0.25, origin 1 2 3; 1 table, 1 primitive;
-// 3 vertices; table 0 with 2-byte indices, 1 face; 1 surface vertex more (zigzag 2); 4 vertices - 4 / 2 faces (zigzag 4).
+// 3 vertices; table 0 with 2-byte indices, 1 face; 1 surface vertex more (zigzag 2); 4 vertices - 4 / 2 faces (zigzag
+// 4).
 TEST(Header, ByHand) {
-  const std::uint8_t expected[] = {0, 3 << 2, 5 | 1 << 5, 0, 0, 0x80, 0x3e, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x40, 0, 0,
-                                   0x40, 0x40, 1, 1, 3, 1, 1, 2, 4};
+  const std::uint8_t expected[] = {0, 3 << 2, 5 | 1 << 5, 0, 0,    0x80, 0x3e, 0, 0, 0x80, 0x3f, 0, 0,
+                                   0, 0x40,   0,          0, 0x40, 0x40, 1,    1, 3, 1,    1,    2, 4};
   const Bytes bytes = written(smallHeader());
   ASSERT_EQ(bytes.size(), std::size(expected));
   for (std::size_t i = 0; i < bytes.size(); ++i) EXPECT_EQ(static_cast<std::uint8_t>(bytes[i]), expected[i]) << i;
@@ -76,10 +77,12 @@ TEST(Header, EveryFieldComesBack) {
     h.positions.order = random() % 2 == 0 ? Order::kTraversal : Order::kDegree;
     h.positions.exact_hits = random() % 2 == 0;
     h.positions.effort = static_cast<Effort>(random() % 2);
+    h.positions.centred_only = h.positions.effort == Effort::kDefault && random() % 2 == 0;
     h.position_type = integer ? static_cast<ComponentType>(random() % 4) : ComponentType::kFloat32;
     h.has_references = random() % 2 == 0;
     h.anchored = integer || random() % 2 == 0;
-    if (!integer) h.step = std::ldexp(1.0f + static_cast<float>(random() % 100) / 100, static_cast<int>(random() % 60) - 30);
+    if (!integer)
+      h.step = std::ldexp(1.0f + static_cast<float>(random() % 100) / 100, static_cast<int>(random() % 60) - 30);
     for (int a = 0; a < 3; ++a) {
       if (h.anchored) {
         h.anchor[a] = (static_cast<std::int64_t>(random()) - (std::int64_t{1} << 31)) << random() % 16;
@@ -88,7 +91,8 @@ TEST(Header, EveryFieldComesBack) {
       }
     }
     std::uint32_t vertices = 0, faces = 0;
-    for (std::uint32_t t = random() % 4; t > 0; --t) vertices += h.counts.table_vertex_count.emplace_back(random() % 9999);
+    for (std::uint32_t t = random() % 4; t > 0; --t)
+      vertices += h.counts.table_vertex_count.emplace_back(random() % 9999);
     const auto tables = static_cast<std::uint32_t>(h.counts.table_vertex_count.size());
     for (std::uint32_t p = tables > 0 ? random() % 4 : 0; p > 0; --p) {
       h.counts.primitive_table.push_back(random() % tables);
@@ -109,6 +113,7 @@ TEST(Header, EveryFieldComesBack) {
     ASSERT_EQ(back.positions.predictor, h.positions.predictor);
     ASSERT_EQ(back.positions.order, h.positions.order);
     ASSERT_EQ(back.positions.exact_hits, h.positions.exact_hits);
+    ASSERT_EQ(back.positions.centred_only, h.positions.centred_only);
     ASSERT_EQ(back.positions.normal_scale, h.positions.normal_scale);
     ASSERT_EQ(back.positions.fine_bits, h.positions.fine_bits);
     ASSERT_EQ(back.positions.effort, h.positions.effort);
@@ -144,7 +149,6 @@ TEST(Header, RefusesWhatIsUndefined) {
   EXPECT_EQ(changed(0, 1), ErrorCode::kUnsupportedVersion);
   EXPECT_EQ(changed(1, 5 << 2), ErrorCode::kReservedBits) << "predictor 5";
   EXPECT_EQ(changed(1, 3 << 2 | 2), ErrorCode::kReservedBits) << "a basis in lattice mode";
-  EXPECT_EQ(changed(2, 5 | 1 << 6), ErrorCode::kReservedBits);
   EXPECT_EQ(changed(2, 5 | 1 << 7), ErrorCode::kReservedBits);
   for (const int type : {4, 6, 7}) EXPECT_EQ(changed(2, type), ErrorCode::kReservedBits);
   EXPECT_EQ(changed(2, 2), ErrorCode::kReservedBits) << "integers that are not anchored";
@@ -152,6 +156,15 @@ TEST(Header, RefusesWhatIsUndefined) {
   EXPECT_EQ(changed(6, 0x7f), ErrorCode::kReservedBits) << "step that is no number";
   EXPECT_EQ(changed(22, 3), ErrorCode::kReservedBits) << "index type";
   EXPECT_EQ(changed(22, 1 | 1 << 2), ErrorCode::kInvalidCount) << "table 1 of 1";
+}
+
+TEST(Header, RefusesCentredOnlyAtEffortMax) {
+  Header header = smallHeader();
+  header.positions.centred_only = true;
+  Header back;
+  EXPECT_FALSE(read(written(header), back));
+  header.positions.effort = Effort::kMax;
+  EXPECT_EQ(errorOf(written(header)), ErrorCode::kReservedBits);
 }
 
 TEST(Header, RefusesBadNumbers) {

@@ -1,11 +1,11 @@
 // The position stage alone: what is coded is what is decoded, near its target, whatever the parameters.
-#include "extra_positions.h"
 #include "positions.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "extra_positions.h"
 #include "format.h"
 #include "meshes.h"
 #include "surface_builders.h"
@@ -32,6 +32,9 @@ std::vector<PositionParameters> allParameters() {
             p.fine_bits = mode == Mode::kTangent ? kFineBits : 0;
             p.normal_scale = mode == Mode::kTangent ? static_cast<std::uint32_t>(predictor * 3) : 1;
             all.push_back(p);
+            p.centred_only = true;
+            all.push_back(p);
+            p.centred_only = false;
             p.effort = Effort::kMax;
             all.push_back(p);
           }
@@ -50,12 +53,18 @@ PositionMap identityMap(const Surface& surface) {
   return map;
 }
 
-/// Codes, decodes and returns what was decoded.
+std::vector<glm::dvec3> inSteps(std::vector<glm::dvec3> target, const PositionParameters& parameters) {
+  for (glm::dvec3& t : target) t /= 1 << parameters.fine_bits;
+  return target;
+}
+
+/// Codes, decodes and returns what was decoded; `target` is on the fine lattice.
 std::vector<Vec3> codedPositions(const Surface& surface, const PositionMap& map, const PositionParameters& parameters,
                                  const std::vector<glm::dvec3>& target) {
   EntropyWriter writer;
   std::vector<Vec3> expected, decoded;
-  encodePositions(surface, map, parameters, target, writer, expected);
+  encodePositions(surface, codingStart(surface, map, parameters.order), parameters, inSteps(target, parameters), writer,
+                  &expected);
   std::vector<std::byte> bytes;
   writer.finish(kChecksum, bytes);
   EntropyReader reader(bytes);
@@ -117,8 +126,8 @@ TEST(Positions, APlaneThatMeetsItsLatticeIsNearlyFree) {
   for (const PositionParameters& parameters : allParameters()) {
     if (parameters.predictor == Predictor::kWeighted || parameters.predictor == Predictor::kValence) continue;
     EntropyWriter writer;
-    std::vector<Vec3> decoded;
-    encodePositions(surface, map, parameters, target, writer, decoded);
+    encodePositions(surface, codingStart(surface, map, parameters.order), parameters, inSteps(target, parameters),
+                    writer, nullptr);
     // Coded row by row, each row starts with two positions that have no parallelogram.
     const double most = parameters.order == Order::kTraversal ? 2 : 1;
     EXPECT_LT(writer.bitsSince(0) / 1600, most) << static_cast<int>(parameters.predictor);

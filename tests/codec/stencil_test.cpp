@@ -34,7 +34,7 @@ Found searched(const Surface& surface, const std::vector<std::uint32_t>& time, s
 
 void expectAsSearched(const Surface& surface, const std::vector<std::uint32_t>& time, std::uint32_t count) {
   std::vector<VertexState> states(count);
-  collectStencils(surface, time, count, states);
+  collectStencils(surface, time, states);
   for (std::uint32_t t = 0; t < count; ++t) {
     const Stencils s = stencilsOf(states[t]);
     const Found found = searched(surface, time, t);
@@ -90,17 +90,6 @@ TEST(Stencil, AsALookAtAllCornersTellsInAnyOrder) {
   }
 }
 
-TEST(Stencil, OfTheFirstPositionsOnly) {
-  const Surface surface = test::torus(6, 5);
-  std::vector<VertexState> all(30), first(30);
-  collectStencils(surface, surface.corner_vertex, 30, all);
-  collectStencils(surface, surface.corner_vertex, 17, first);
-  for (std::size_t t = 0; t < 30; ++t) {
-    EXPECT_EQ(stencilsOf(first[t]).count, t < 17 ? stencilsOf(all[t]).count : 0) << t;
-    EXPECT_EQ(stencilsOf(first[t]).valence, 6);
-  }
-}
-
 // The grid's vertices are y * 4 + x; quads are split along (x, y) - (x + 1, y + 1).
 TEST(Stencil, OnAGrid) {
   const Surface surface = test::grid(4, 4);
@@ -108,7 +97,7 @@ TEST(Stencil, OnAGrid) {
   std::iota(vertex_time.begin(), vertex_time.end(), 0);
   const std::vector<std::uint32_t> time = cornerTimes(surface, vertex_time);
   std::vector<VertexState> states(16);
-  collectStencils(surface, time, 16, states);
+  collectStencils(surface, time, states);
   // In reading order vertex 5 has the gates 0-1 and 4-0; beyond both lies the border.
   const Stencils five = stencilsOf(states[5]);
   EXPECT_EQ(five.count, 0);
@@ -143,7 +132,7 @@ TEST(Stencil, KeepsTheFirst) {
   vertex_time[0] = dummy;
   for (std::uint32_t v = 1; v < dummy; ++v) vertex_time[v] = v - 1;
   std::vector<VertexState> states(dummy + 1);
-  collectStencils(surface, cornerTimes(surface, vertex_time), dummy + 1, states);
+  collectStencils(surface, cornerTimes(surface, vertex_time), states);
   const Stencils stencils = stencilsOf(states[dummy]);
   EXPECT_EQ(stencils.count, kMaxStencils);
   EXPECT_EQ(stencils.valence, static_cast<std::int32_t>(kRing));

@@ -194,7 +194,8 @@ class HeaderWalk {
     const unsigned anchored = bits("anchored", 2, second, 3, 1, {});
     bits("has references", 2, second, 4, 1, {});
     bits("one vertex per position", 2, second, 5, 1, {});
-    bits("reserved", 2, second, 6, 2, {});
+    bits("centred only", 2, second, 6, 1, {});
+    bits("reserved", 2, second, 7, 1, {});
     if (mode == 1) {
       byte();
       field("normal scale - 1", 3, static_cast<unsigned>(bytes_[3]));

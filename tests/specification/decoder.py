@@ -112,13 +112,14 @@ class Header:
         (self.is_tangent, self.is_tip_aligned, self.predictor, self.is_degree_order, self.exact_hits,
          self.is_max_effort) = fields.flags(1, 1, 3, 1, 1, 1)
         (self.position_type, self.is_anchored, self.has_references, self.one_vertex_per_position,
-         reserved) = fields.flags(3, 1, 1, 1, 2)
+         self.centred_only, reserved) = fields.flags(3, 1, 1, 1, 1, 1)
         require(self.predictor <= 4, "no such predictor")
         require(self.is_tangent or not self.is_tip_aligned, "a basis in lattice mode")
         require(self.position_type in POSITION_TYPES, "no such position type")
         if self.position_type != FLOAT32:
             require(self.is_anchored and not self.is_tangent, "integers that are not anchored in lattice mode")
         require(reserved == 0, "reserved bits are set")
+        require(not self.centred_only or not self.is_max_effort, "centred only at effort max")
         self.fine_bits = 6 if self.is_tangent else 0
 
     def read_counts(self, fields):

@@ -423,7 +423,7 @@ class ResidualReader:
         if key not in self.centred:
             self.centred[key] = BinTable(16, context.scale)
         centred = self.centred[key]
-        if p.n == 1:
+        if p.n == 1 or self.header.centred_only:
             b = self.reader.symbol([i + t for i, t in enumerate(centred.below)] + [32768], a)
             centred.update(b)
             return b
@@ -434,11 +434,10 @@ class ResidualReader:
         windows = [centred.window(0)] + [table.window(8 - o) for o in context.bins]
         shares = self.shares[p.model_class, a]
         b = self.reader.symbol(shares.mixed(windows), a)
-        given = [w[b + 1] - w[b] for w in windows]
         if p.time % 4 == a:
-            shares.learn(given)
+            shares.learn([w[b + 1] - w[b] for w in windows])
+            table.update(b + 8 - min(context.bins, key=lambda o: abs(b - 8 - o)))
         centred.update(b)
-        table.update(b + 8 - context.bins[given[2] > given[1]])
         return b
 
     def exact_hit(self, p, a, context, value, state):
@@ -502,7 +501,7 @@ class Positions:
             residual = self.residual(p, state)
         local = [o + r * step for o, r, step in zip(p.offset, residual, self.step)]
         state.position = on_lattice(add(p.point, to_lattice(p.frame, local) if self.header.is_tangent else local))
-        state.magnitude = [min(abs(r), 8191) for r in residual]
+        state.magnitude = [min(abs(r), 5461) for r in residual]
         state.surprise = tuple(clamp(x, -32768, 32767) for x in sub(state.position, p.mean))
 
     def residual(self, p, state):
@@ -511,7 +510,7 @@ class Positions:
         p.around = VectorsAround(p, header.is_tangent)
         p.offset = self.adaptive.offset(p) if header.predictor == ADAPTIVE else (0, 0, 0)
         residual = self.residuals.get(p, state)
-        if header.predictor == ADAPTIVE:
+        if header.predictor == ADAPTIVE and p.time % 2 == 1:
             self.adaptive.learn(p, residual)
         return residual
 
