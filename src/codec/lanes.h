@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -291,6 +292,8 @@ inline Doubles loadDoubles(const double* from) {
   return doubles;
 }
 
+inline void storeDoubles(double* to, Doubles doubles) { std::memcpy(to, &doubles, sizeof doubles); }
+
 /// How many of 16 ascending lanes are at most `value`.
 inline int countNotAbove(Lanes low, Lanes high, std::int16_t value) {
   const Lanes bound = splat(value);
@@ -302,6 +305,52 @@ inline int countNotAbove(Lanes low, Lanes high, std::int16_t value) {
   int count = 16;
   for (int i = 0; i < 8; ++i) count += above[i];
   return count;
+#endif
+}
+
+/// Four vectors as lanes x, y, z: lane j is of vector j.
+struct Transposed {
+  Integers x, y, z;
+};
+inline Transposed transposed(Integers a, Integers b, Integers c, Integers d) {
+  const Integers ab = __builtin_shufflevector(a, b, 0, 4, 1, 5), cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+  const Integers ab_z = __builtin_shufflevector(a, b, 2, 6, 3, 7), cd_z = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+  return {__builtin_shufflevector(ab, cd, 0, 1, 4, 5), __builtin_shufflevector(ab, cd, 2, 3, 6, 7),
+          __builtin_shufflevector(ab_z, cd_z, 0, 1, 4, 5)};
+}
+
+/// (a * b) >> 32 of each lane, read as unsigned.
+inline Integers wordProductsHigh(Integers a, std::uint32_t b) {
+#if defined(__SSE2__)
+  const __m128i factor = _mm_set1_epi32(static_cast<int>(b));
+  const __m128i even = _mm_srli_epi64(_mm_mul_epu32((__m128i)a, factor), 32);
+  const __m128i odd = _mm_mul_epu32(_mm_srli_epi64((__m128i)a, 32), factor);
+  return (Integers)even | ((Integers)odd & Integers{0, -1, 0, -1});
+#else
+  Integers high;
+  for (int i = 0; i < 4; ++i)
+    high[i] = static_cast<std::int32_t>(std::uint64_t{static_cast<std::uint32_t>(a[i])} * b >> 32);
+  return high;
+#endif
+}
+
+/// Bit i is the sign of lane i.
+inline unsigned signBits(Integers v) {
+#if defined(__SSE2__)
+  return static_cast<unsigned>(_mm_movemask_ps((__m128)v));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < 4; ++i) bits |= (static_cast<std::uint32_t>(v[i]) >> 31) << i;
+  return bits;
+#endif
+}
+
+/// Square roots.
+inline Doubles roots(Doubles v) {
+#if defined(__SSE2__)
+  return (Doubles)_mm_sqrt_pd((__m128d)v);
+#else
+  return Doubles{std::sqrt(v[0]), std::sqrt(v[1])};
 #endif
 }
 

@@ -158,27 +158,26 @@ class PositionCoder {
     }
     gather(parallelograms, arc.count, p);
     place(time, arc.list[0].corner, stencils.valence, p);
+    const ToLocal local(p.frame, tangent_);
     const MixedFeatures features =
-        mixedFeatures({surface_, order_.corner_time, states_, time}, arc, stencils.valence, p.frame, tangent_);
+        mixedFeatures({surface_, order_.corner_time, states_, time}, arc, stencils.valence, local, tangent_);
     p.offset = mixed_->offset(features, arc.count, stencils.valence);
     std::array<std::int32_t, 3> residual{};
     if constexpr (Direction::kWrites) residual = wantedResidual(p, target);
-    const std::uint32_t hits = mixed_->code(mixedVertexOf(p, arc.count, stencils.valence), residual);
+    const std::uint32_t hits = mixed_->code(mixedVertexOf(p, arc.count, stencils.valence, local), residual);
     remember(states_[time], stencils.valence, p, residual, hits);
   }
 
-  MixedVertex mixedVertexOf(const Prediction& p, int count, std::int32_t valence) const {
+  MixedVertex mixedVertexOf(const Prediction& p, int count, std::int32_t valence, const ToLocal& local) const {
     MixedVertex m;
     m.stencil_count = count;
     m.valence = valence;
-    const auto local = [&](Integers v) { return toLocal(p.frame, WideVec3(vectorOf(v))); };
-    for (std::size_t j = 0; j < static_cast<std::size_t>(count); ++j) m.candidate[j] = local(p.candidates[j] - p.point);
-    m.around = p.around;
-    for (std::size_t k = 0; k < 3; ++k) {
-      m.neighbour[k] = local(p.around[k]->point - p.point);
-      m.surprise[k] = local(p.around[k]->surprise());
+    m.predicted =
+        local(p.mean - p.point, p.candidates[0] - p.point, p.candidates[1] - p.point, p.candidates[2] - p.point);
+    if (!tangent_) {
+      m.neighbour = local(p.left()->point - p.point, p.right()->point - p.point, p.base()->point - p.point, Integers{});
     }
-    m.mean = local(p.mean - p.point);
+    m.around = p.around;
     const Integers gate = magnitudes(p.left()->point - p.right()->point);
     m.gate = std::int64_t{gate[0]} + gate[1] + gate[2];
     return m;

@@ -122,7 +122,8 @@ TEST(Lanes, SumsOfProducts) {
     for (int i = 0; i < 4; ++i) ASSERT_EQ(pairs[i], a[2 * i] * b[2 * i] + a[2 * i + 1] * b[2 * i + 1]);
     ASSERT_EQ(dotProduct(a, b), sum);
 
-    const Integers p = numbers.integers(15), q = numbers.integers(14), r = numbers.integers(15), s = numbers.integers(14);
+    const Integers p = numbers.integers(15), q = numbers.integers(14), r = numbers.integers(15),
+                   s = numbers.integers(14);
     const Integers one = shortProducts(p, q), two = shortProducts(p, q, r, s);
     for (int i = 0; i < 4; ++i) {
       ASSERT_EQ(one[i], p[i] * q[i]);
@@ -177,6 +178,27 @@ TEST(Lanes, LogarithmsAreLinearBetweenPowersOfTwo) {
     ASSERT_NEAR(static_cast<double>(expected) / (1 << 23), std::log2(x), 0.0861) << x;
   }
   EXPECT_EQ(logarithms(splatInteger((1 << 24) - 1))[3], (24 << 23) - 1);
+}
+
+TEST(Lanes, TranspositionSignsAndHighProducts) {
+  const auto [x, y, z] =
+      transposed(Integers{1, 2, 3, 4}, Integers{5, 6, 7, 8}, Integers{9, 10, 11, 12}, Integers{13, 14, 15, 16});
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(x[i], 1 + 4 * i);
+    EXPECT_EQ(y[i], 2 + 4 * i);
+    EXPECT_EQ(z[i], 3 + 4 * i);
+  }
+  EXPECT_EQ(signBits(Integers{-1, 0, 5, -7}), 0b1001u);
+  std::mt19937 random(9);
+  for (int i = 0; i < 1000; ++i) {
+    const auto factor = static_cast<std::uint32_t>(random());
+    Integers v;
+    for (int k = 0; k < 4; ++k) v[k] = static_cast<std::int32_t>(random());
+    const Integers high = wordProductsHigh(v, factor);
+    for (int k = 0; k < 4; ++k) {
+      ASSERT_EQ(static_cast<std::uint32_t>(high[k]), std::uint64_t{static_cast<std::uint32_t>(v[k])} * factor >> 32);
+    }
+  }
 }
 
 TEST(Lanes, CountNotAbove) {

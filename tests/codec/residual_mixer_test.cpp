@@ -12,23 +12,27 @@ struct Coded {
   std::int32_t residual;
 };
 
-std::vector<Coded> randomResiduals(std::uint32_t seed, int prediction_count) {
+std::vector<Coded> randomResiduals(std::uint32_t seed) {
   std::mt19937 random(seed);
   std::vector<Coded> all;
   for (int i = 0; i < 20000; ++i) {
     Coded coded;
     ResidualEvidence& e = coded.evidence;
     e.unit_shift = static_cast<int>(random() % 20);
-    e.voters = static_cast<int>(random() % 4);
+    e.voters = 1 + static_cast<int>(random() % 3);
     const auto number = [&] { return static_cast<std::int32_t>(random()) >> (3 + random() % 28); };
-    for (std::size_t k = 0; k < static_cast<std::size_t>(prediction_count); ++k) {
-      e.prediction[k] = std::clamp(number(), -kPredictionLimit, kPredictionLimit);
-      e.prediction_context[k] = static_cast<std::uint8_t>(random() % kPredictionContexts);
-      e.present[k] = k == 0 || k > kVoters || static_cast<int>(k) <= e.voters;
+    for (std::size_t part = 0; part < 2; ++part) {
+      for (int k = 0; k < 4; ++k) {
+        e.prediction[part][k] = std::clamp(number(), -kPredictionLimit, kPredictionLimit);
+        e.prediction_context[part][k] = static_cast<int>(random() % kPredictionContexts);
+      }
     }
-    for (std::uint16_t& context : e.context) context = static_cast<std::uint16_t>(random() % kContextValues);
+    for (int k = 0; k < 4; ++k) {
+      e.present[k] = -(k <= e.voters);
+      e.context[k] = static_cast<int>(random() % kContextValues);
+    }
     e.weight_set = {static_cast<std::uint8_t>(random() % 14), static_cast<std::uint8_t>(random() % 36)};
-    coded.residual = random() % 4 == 0 ? e.prediction[0] >> 4 : number();
+    coded.residual = random() % 4 == 0 ? e.prediction[0][0] >> 4 : number();
     all.push_back(coded);
   }
   all[7].residual = (1 << 28) - 1;
@@ -38,15 +42,15 @@ std::vector<Coded> randomResiduals(std::uint32_t seed, int prediction_count) {
 }
 
 TEST(ResidualMixer, EveryResidualComesBack) {
-  for (const int prediction_count : {1 + kVoters, kMixedPredictions}) {
-    const std::vector<Coded> all = randomResiduals(5, prediction_count);
+  for (const bool lattice : {false, true}) {
+    const std::vector<Coded> all = randomResiduals(5);
     EntropyWriter writer;
-    ResidualMixer<Writing> encoder(Writing{writer}, prediction_count);
+    ResidualMixer<Writing> encoder(Writing{writer}, lattice);
     for (const Coded& coded : all) ASSERT_EQ(encoder.code(coded.evidence, coded.residual), coded.residual);
     std::vector<std::byte> bytes;
     writer.finish(2, bytes);
     EntropyReader reader(bytes);
-    ResidualMixer<Reading> decoder(Reading{reader}, prediction_count);
+    ResidualMixer<Reading> decoder(Reading{reader}, lattice);
     for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(decoder.code(all[i].evidence, 0), all[i].residual) << i;
     EXPECT_TRUE(reader.atEnd());
     EXPECT_EQ(reader.states(), finalStates(2));
@@ -55,7 +59,7 @@ TEST(ResidualMixer, EveryResidualComesBack) {
 
 TEST(ResidualMixer, APredictionThatHoldsCostsNextToNothing) {
   EntropyWriter writer;
-  ResidualMixer<Writing> encoder(Writing{writer}, kMixedPredictions);
+  ResidualMixer<Writing> encoder(Writing{writer}, true);
   std::mt19937 random(6);
   std::size_t mark = 0;
   for (int i = 0; i < 6000; ++i) {
@@ -63,11 +67,9 @@ TEST(ResidualMixer, APredictionThatHoldsCostsNextToNothing) {
     ResidualEvidence e;
     e.unit_shift = 4;
     e.voters = 3;
-    for (std::size_t k = 0; k < 4; ++k) {
-      e.prediction[k] = 16 * (static_cast<std::int32_t>(random() % 400) - 200);
-      e.present[k] = true;
-    }
-    encoder.code(e, e.prediction[2] / 16);
+    for (int k = 0; k < 4; ++k) e.prediction[0][k] = 16 * (static_cast<std::int32_t>(random() % 400) - 200);
+    e.present = splatInteger(-1);
+    encoder.code(e, e.prediction[0][2] / 16);
   }
   EXPECT_LT(writer.bitsSince(mark) / 1000, 0.8);
 }
@@ -77,8 +79,8 @@ TEST(ResidualMixer, DamagedStreamsStayWithinRange) {
   std::vector<std::byte> bytes(40000);
   for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
   EntropyReader reader(bytes);
-  ResidualMixer<Reading> decoder(Reading{reader}, kMixedPredictions);
-  for (const Coded& coded : randomResiduals(8, kMixedPredictions)) {
+  ResidualMixer<Reading> decoder(Reading{reader}, true);
+  for (const Coded& coded : randomResiduals(8)) {
     ASSERT_LE(std::abs(std::int64_t{decoder.code(coded.evidence, 0)}), std::int64_t{1} << 30);
   }
 }

@@ -17,6 +17,12 @@ def bits(n):
     return n.bit_length()
 
 
+def log(x):
+    """2^23 times the binary logarithm, linear between powers of two."""
+    e = bits(x) - 1
+    return (e << 23) + ((x - (1 << e)) << (23 - e))
+
+
 def clamp(x, low, high):
     return low if x < low else high if x > high else x
 

@@ -2,7 +2,7 @@
 from collections import defaultdict
 from math import isqrt
 
-from coding import add, bits, clamp, dot, largest, scale, shift_right, sub
+from coding import add, bits, clamp, dot, largest, log, shift_right, sub
 from connectivity import next_corner, previous_corner
 
 # ---------------------------------------------------------------------------- 6.9.1 The arc
@@ -27,10 +27,10 @@ def arc_of(surface, time, corners):
 
 # ---------------------------------------------------------------------------- 6.9.2 Features
 
-def length(v):
-    shift = 0 if largest(v) < 2**25 else 6
-    small = shift_right(v, shift)
-    return isqrt(dot(small, small)) << shift
+def lengths(vectors):
+    shift = 0 if max(map(largest, vectors)) < 2**25 else 6
+    small = [shift_right(v, shift) for v in vectors]
+    return [isqrt(dot(v, v)) << shift for v in small]
 
 
 def height_of(stencil):
@@ -38,90 +38,111 @@ def height_of(stencil):
     return shift_right(add(sub(left, base), sub(right, base)), 1)
 
 
-def features_of(surface, known, arc, p, to_local, is_tangent):
-    """Feature vectors in the frame; `known` gives the state at a corner."""
+def beside(stencil):
+    left, right, base = stencil
+    return [height_of(stencil), sub(left.position, right.position), base.surprise, right.surprise]
+
+
+def bends(surface, known, corner, stencil):
+    """How the surface bends over the base triangle's other edges."""
+    left, right, base = (state.position for state in stencil)
+    at_base = surface.opposite[corner]
     result = []
-    heights = (0, 0, 0)
-    for j, stencil in enumerate(p.stencils):
-        left, right, base = stencil
-        height = to_local(height_of(stencil))
-        heights = add(heights, height)
-        result += [height, to_local(sub(left.position, right.position)), to_local(base.surprise)]
-        if j == 0:
-            result.append(to_local(left.surprise))
-        result.append(to_local(right.surprise))
-    left, right, base = p.stencils[0]
+    for c, gate in ((next_corner(at_base), sub(right, left)), (previous_corner(at_base), sub(left, right))):
+        wing = known(surface.opposite[c])
+        result.append(add(sub(wing.position, base), gate) if wing else (0, 0, 0))
+    return result
 
-    def times(v, factor, shift):
-        return shift_right(scale(v, clamp(factor, -12, 12)), shift)
 
-    result.append(times(heights, p.valence - 6, 3))
-    result.append(times(to_local(sub(left.position, right.position)), left.valence - right.valence, 2))
-    result.append(times(to_local(height_of(p.stencils[0])), left.valence + right.valence - base.valence - 6, 2))
-    for c, stencil in list(zip(arc, p.stencils))[:2]:
-        l, r, b = (state.position for state in stencil)
-        at_base = surface.opposite[c]
-        for corner, gate in ((next_corner(at_base), sub(r, l)), (previous_corner(at_base), sub(l, r))):
-            wing = known(surface.opposite[corner])
-            result.append(to_local(add(sub(wing.position, b), gate)) if wing else (0, 0, 0))
-    if is_tangent:
-        to_left = length(sub(left.position, base.position))
-        to_right = length(sub(right.position, base.position))
-        result.append((0, 0, length(sub(left.position, right.position))))
-        result.append((0, 0, to_left + to_right))
-        result.append((0, to_left - to_right, length(height_of(p.stencils[0]))))
-    return [tuple(clamp(x, -2**29, 2**29) for x in f) for f in result]
+class Features:
+    """Feature vectors in the frame, each component scaled; `known` gives the state at a corner."""
+
+    def __init__(self, surface, known, arc, p, to_local, is_tangent):
+        left, right, base = gate = p.stencils[0]
+        zero = (0, 0, 0)
+        height, across = height_of(gate), sub(left.position, right.position)
+        vectors = [base.surprise, left.surprise, right.surprise, zero]
+        vectors += [height, across, *bends(surface, known, arc[0], gate)]
+        sizes = [zero] * 8
+        if is_tangent:
+            l = lengths([across, sub(left.position, base.position), sub(right.position, base.position), height])
+            sizes[:3] = (0, 0, l[0]), (0, 0, l[1] + l[2]), (0, l[1] - l[2], l[3])
+        others = []
+        if p.n == 2:
+            others = beside(p.stencils[1]) + bends(surface, known, arc[1], p.stencils[1]) + [zero, zero]
+        elif p.n == 3:
+            others = beside(p.stencils[1]) + beside(p.stencils[2])
+        vectors = [to_local(v) for v in vectors] + sizes + [to_local(v) for v in others]
+        self.surprise = vectors[:3]
+        self.count = len(vectors)
+        factors = (p.valence - 6, left.valence - right.valence, left.valence + right.valence - base.valence - 6)
+        self.common, self.x = [], []
+        for a in range(3):
+            component = [v[a] for v in vectors]
+            common = 15 - max(bits(x if x >= 0 else -x - 1) for x in component)
+            x = [max(scaled_by(f, common), -32767) for f in component]
+            for i, factor in enumerate(factors):
+                x[12 + i] = (x[5 if i == 1 else 4] * (clamp(factor, -7, 7) << 12)) >> 16
+            self.common.append(common)
+            self.x.append(x)
+
+
+def scaled_by(x, n):
+    return x << n if n >= 0 else x >> -n
 
 
 # ---------------------------------------------------------------------------- 6.9.3 Least squares
 
-class LeastSquares:
-    """The predictor of one component and shape class."""
-
+class Component:
     def __init__(self):
-        self.seen = self.turn = self.phase = 0
         self.weight = [0] * 24
         self.moment = [[0] * 24 for _ in range(24)]
         self.with_value = [0] * 24
 
-    def predict(self, features):
-        self.count = len(features)
-        self.common = 15 - max(bits(x if x >= 0 else -x - 1) for x in features)
-        self.nothing = self.common == 15
-        self.x = [max(f << self.common if self.common >= 0 else f >> -self.common, -32767) for f in features]
-        total = dot(self.weight, self.x)
-        shift = 14 + self.common
+    def predict(self, x, common):
+        total = sum((self.weight[i] * x[i] + self.weight[i + 1] * x[i + 1]) >> 5 for i in range(0, len(x), 2))
+        shift = 8 + common
         return clamp((total + (1 << (shift - 1))) >> shift if shift > 0 else total << -shift, -2**26, 2**26)
 
-    def learn(self, value):
-        if self.nothing:
-            return
+    def accumulate(self, x, y, rate):
+        for i, one in enumerate(x):
+            row = self.moment[i]
+            for j, other in enumerate(x):
+                row[j] += (one * other - row[j]) >> rate
+            self.with_value[i] += (one * y - self.with_value[i]) >> rate
+
+    def descend(self, i, count, ridge):
+        slope = (self.with_value[i] << 13) - dot(self.moment[i][:count], self.weight)
+        step = abs(slope) // (self.moment[i][i] + ridge)
+        self.weight[i] = clamp(self.weight[i] + (step if slope >= 0 else -step), -32767, 32767)
+
+
+class LeastSquares:
+    """The predictor of one shape class."""
+
+    def __init__(self):
+        self.seen = self.turn = self.phase = 0
+        self.components = [Component() for _ in range(3)]
+
+    def predict(self, f):
+        return [self.components[a].predict(f.x[a], f.common[a]) for a in range(3)]
+
+    def learn(self, f, value):
         self.seen = min(self.seen + 1, 512)
         self.phase = (self.phase + 1) % 4
         few = self.seen < 128
-        if few or self.phase == 1:
-            self.accumulate(value << self.common if self.common >= 0 else value >> -self.common)
+        which = []
         if few:
-            self.descend(range(self.count))
+            which = range(f.count)
         elif self.phase == 3:
-            self.turn = self.turn + 8 if self.turn + 8 < self.count else 0
-            self.descend(range(self.turn, self.turn + 8))
-
-    def accumulate(self, value):
-        y = clamp(value, -32767, 32767)
-        rate = min(9, bits(self.seen))
-        half = 1 << (rate - 1)
-        for i, x in enumerate(self.x):
-            row = self.moment[i]
-            for j, other in enumerate(self.x):
-                row[j] += (x * other - row[j] + half) >> rate
-            self.with_value[i] += (x * y - self.with_value[i] + half) >> rate
-
-    def descend(self, which):
-        ridge = 1 + 2**18 // self.seen
-        for i in which:
-            gradient = (self.with_value[i] << 14) - dot(self.moment[i][:self.count], self.weight)
-            self.weight[i] = clamp(self.weight[i] + gradient // (self.moment[i][i] + ridge), -65536, 65536)
+            self.turn = self.turn + 8 if self.turn + 8 < f.count else 0
+            which = range(self.turn, self.turn + 8)
+        for a, component in enumerate(self.components):
+            if few or self.phase % 2 == 1:
+                y = clamp(scaled_by(value[a], f.common[a]), -32767, 32767)
+                component.accumulate(f.x[a], y, min(9, bits(self.seen)))
+            for i in which:
+                component.descend(i, f.count, 1 + 2**18 // self.seen)
 
 
 # ---------------------------------------------------------------------------- 6.9.4 Mixing
@@ -136,62 +157,42 @@ def squash(x):
     return (KNOTS[i] * (128 - part) + KNOTS[i + 1] * part + 64) >> 7
 
 
-def stretch_table():
-    table, x = [], -2815
-    for i in range(4096):
-        while x < 2815 and squash(x) < 16 * i:
-            x += 1
-        table.append(x)
-    return table
-
-
-STRETCH = stretch_table()
-
-
 class Chance:
     def __init__(self):
         self.p = 32768
-        self.count = 0
+        self.rate = 32767
 
     def stretched(self):
-        return STRETCH[self.p >> 4]
+        return (log(2 * self.p + 1) - log(131071 - 2 * self.p)) >> 16
 
     def update(self, bit):
-        rate = 655360 // (10 * self.count + 16)
         if bit:
-            self.p += ((65535 - self.p) * rate) >> 16
+            distance = 65535 - self.p
+            self.p = 65535 - (distance - ((distance * self.rate) >> 16))
         else:
-            self.p -= (self.p * rate) >> 16
-        self.count = min(self.count + 1, 255)
+            self.p -= (self.p * self.rate) >> 16
+        self.rate = max(self.rate - ((self.rate * self.rate) >> 16), 257)
+
+
+def short(x):
+    return clamp(x, -32768, 32767)
 
 
 class Weights:
     def __init__(self):
-        self.weight = [251658] * 16
-        self.rate = 1920
-
-    def mix(self, inputs):
-        total = sum(clamp(w >> 6, -32768, 32767) * x for w, x in zip(self.weight, inputs))
-        return clamp(total >> 14, -2815, 2815)
+        self.weight = [2000] * 16
+        self.rate = 3000
 
     def learn(self, inputs, error):
-        step = (error * self.rate) >> 12
+        step = (error * self.rate) >> 13
+        self.rate -= (self.rate - 1500) >> 6
         for i, x in enumerate(inputs):
-            w = self.weight[i] + ((x * step + 128) >> 8)
-            self.weight[i] = (w + 2**31) % 2**32 - 2**31
-        self.rate -= (self.rate - 384) >> 6
+            self.weight[i] = short(self.weight[i] + ((((8 * x * step) >> 16) + 1) >> 1))
 
 
-class FinalWeights:
-    def __init__(self):
-        self.weight = [32768, 32768]
-
-    def mix(self, pair):
-        return clamp(dot(self.weight, pair) >> 16, -2815, 2815)
-
-    def learn(self, pair, error):
-        for i in range(2):
-            self.weight[i] = clamp(self.weight[i] + ((pair[i] * error + 65536) >> 17), -2**20, 2**20)
+def mix(first, second, inputs):
+    total = sum(short(v + w) * x for v, w, x in zip(first.weight, second.weight, inputs))
+    return clamp(total >> 14, -2815, 2815)
 
 
 # ---------------------------------------------------------------------------- 6.9.5 Residuals
@@ -213,11 +214,11 @@ def distance_class(distance, shift):
 
 
 class ResidualMixer:
-    def __init__(self, reader):
+    def __init__(self, reader, is_tangent):
         self.reader = reader
+        self.is_tangent = is_tangent
         self.by_distance, self.by_context, self.by_votes = (defaultdict(Chance) for _ in range(3))
         self.by_scale, self.by_hits = defaultdict(Weights), defaultdict(Weights)
-        self.final = defaultdict(FinalWeights)
 
     def get(self, evidence):
         self.evidence = evidence
@@ -264,20 +265,21 @@ class ResidualMixer:
             cell = k, e.predictions[k][1], node, distance_class(value - edge, shift)
             chances[k] = self.by_distance[cell]
             votes[(k + 2) // 3] += value >= edge
-        chances[7] = self.by_votes[e.voters, *votes, node]
+        if not self.is_tangent:
+            chances[7] = self.by_votes[e.voters, *votes, node]
         for k, context in enumerate(e.contexts):
-            chances[8 + k] = self.by_context[k, context, node, self.side]
-        inputs = [chances[i].stretched() if i in chances else 256 if i == 15 else 0 for i in range(16)]
+            chances[(4 if self.is_tangent else 8) + k] = self.by_context[k, context, node, self.side]
+        inputs = [chances[i].stretched() if i in chances else 0 for i in range(16)]
+        if not self.is_tangent:
+            inputs[12] = 256
         first, second = self.by_scale[min(node, 20), e.sets[0]], self.by_hits[min(node, 20), e.sets[1]]
-        pair = first.mix(inputs), second.mix(inputs)
-        p = squash(self.final[node].mix(pair))
+        p = squash(mix(first, second, inputs))
         one = clamp(p >> 1, 1, 32767)
         bit = int(self.reader.slot() < one)
         self.reader.consume(0 if bit else one, one if bit else 32768 - one)
-        target = 65535 if bit else 0
-        self.final[node].learn(pair, target - p)
-        first.learn(inputs, target - squash(pair[0]))
-        second.learn(inputs, target - squash(pair[1]))
+        error = (65535 if bit else 0) - p
+        first.learn(inputs, error)
+        second.learn(inputs, error)
         for chance in chances.values():
             chance.update(bit)
         return bit
@@ -312,7 +314,7 @@ class MixedResiduals:
 
     def __init__(self, header, step, reader):
         self.header, self.step = header, step
-        self.mixer = ResidualMixer(reader)
+        self.mixer = ResidualMixer(reader, header.is_tangent)
         self.least_squares = defaultdict(LeastSquares)
 
     def sixteenths(self, x, a):
@@ -325,16 +327,14 @@ class MixedResiduals:
         def to_local(d):
             return tuple((dot(axis, d) + 2**12) >> 13 for axis in p.frame)
 
-        features = features_of(surface, known, arc, p, to_local, self.header.is_tangent)
-        features += [(0, 0, 0)] * (-len(features) % 8)
+        features = Features(surface, known, arc, p, to_local, self.header.is_tangent)
         shape = p.n, (p.valence >= 6) + (p.valence > 6)
-        fitted = [self.least_squares[shape, a].predict([f[a] for f in features]) for a in range(3)]
+        fitted = self.least_squares[shape].predict(features)
         p.offset = fitted if is_centred else (0, 0, 0)
         other = to_local(sub(p.mean, p.point)) if is_centred else fitted
         local = [to_local(sub(candidate, p.point)) for candidate in p.candidates]
         around = p.stencils[0]
         neighbours = [] if self.header.is_tangent else [to_local(sub(s.position, p.point)) for s in around]
-        surprises = [to_local(s.surprise) for s in around]
         scales = self.scales(p, local)
         matches = [0] * 6
         residuals = []
@@ -349,16 +349,17 @@ class MixedResiduals:
             for k, value in named.items():
                 if k >= 3 or p.n > 1:
                     e.predictions[1 + k] = value, size * 4 + match_class(a, matches[k])
-            e.contexts = self.contexts(p, a, scales, residuals, surprises)
+            e.contexts = self.contexts(p, a, scales, residuals, features.surprise)
             e.sets = scales[a].fine, (a * 3 + p.model_class) * 4 + state.hits
             limit = 2**28 >> (self.step[a].bit_length() - 1)
             residual = clamp(self.mixer.get(e), -limit, limit)
             residuals.append(residual)
-            self.least_squares[shape, a].learn(clamp(p.offset[a] + residual * self.step[a], -2**28, 2**28))
             for k, x in named.items():
                 if abs(x - 16 * residual) <= 8:
                     matches[k] += 1
                     state.hits |= 1 << a
+        values = [clamp(p.offset[a] + residuals[a] * self.step[a], -2**28, 2**28) for a in range(3)]
+        self.least_squares[shape].learn(features, values)
         return residuals
 
     def scales(self, p, local):
@@ -375,7 +376,7 @@ class MixedResiduals:
     def contexts(self, p, a, scales, residuals, surprises):
         size = scales[a].around + 8
         coded = [signed_class(16 * residuals[b], scales[b].around + 4) if b < a else 0 for b in range(2)]
-        s, t, u = (signed_class(self.sixteenths(x[a], a), size) for x in surprises)
+        s, t, u = (signed_class(16 * x[a], size * self.step[a]) for x in surprises)
         spread = scales[a].spread
         w = bits(spread)
         octaves = 2 * w + (spread >> (w - 2) & 1 if w > 1 else 0)

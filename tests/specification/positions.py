@@ -2,7 +2,7 @@
 from collections import defaultdict, deque
 from math import isqrt
 
-from coding import (BitModel, IntegerModel, add, add_to_each, bits, clamp, cross, dot, largest, scale,
+from coding import (BitModel, IntegerModel, add, add_to_each, bits, clamp, cross, dot, largest, log, scale,
                     shift_right, shifted, sign, sub, undo_zigzag, width)
 from connectivity import next_corner, previous_corner
 from mixed import MixedResiduals, arc_of
@@ -304,12 +304,6 @@ class AdaptiveOffset:
 
 
 # ---------------------------------------------------------------------------- 6.6 Residuals
-
-def log(x):
-    """2^23 times the binary logarithm, linear between powers of two."""
-    e = bits(x) - 1
-    return (e << 23) + ((x - (1 << e)) << (23 - e))
-
 
 class BinTable:
     TOTAL = 32736
