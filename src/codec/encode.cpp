@@ -144,11 +144,11 @@ std::vector<std::uint64_t> curveRanks(std::span<const float> positions, const Bo
   return ranks;
 }
 
-Prepared prepare(const Mesh& mesh, EntropyWriter& writer) {
+Prepared prepare(const Mesh& mesh, Effort effort, EntropyWriter& writer) {
   Prepared p;
   p.welded = weld(mesh);
   const CutMesh cut = cutToManifold(p.welded.mesh.positions, p.welded.mesh.corner_vertex);
-  const ConnectivityOrder order = encodeConnectivity(cut.surface, writer, p.surface);
+  const ConnectivityOrder order = encodeConnectivity(cut.surface, effort, writer, p.surface);
 
   std::vector<std::uint32_t> vertex_welded(p.surface.vertexCount());
   for (std::uint32_t v = 0; v < p.surface.vertexCount(); ++v) vertex_welded[v] = cut.welded_vertex[order.vertex[v]];
@@ -219,7 +219,7 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
 
   EncodeResult result;
   EntropyWriter writer;
-  Prepared prepared = prepare(mesh, writer);
+  Prepared prepared = prepare(mesh, options.effort, writer);
   result.bits.connectivity = writer.bitsSince(0);
   if (prepared.surface.faceCount() >= kMaxSurfaceFaces) {
     return bad("faces, those that close holes included", prepared.surface.faceCount(), kMaxSurfaceFaces);

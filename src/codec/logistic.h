@@ -111,6 +111,35 @@ struct alignas(16) MixerWeights {
   }
 };
 
+/// Weights for eight inputs, otherwise as `MixerWeights`.
+struct alignas(16) EightWeights {
+  std::array<std::int32_t, 8> weight;
+  std::int32_t rate = MixerWeights::kFirstRate;
+
+  EightWeights() { weight.fill(MixerWeights::kFirstWeight); }
+
+  /// The stretched probability of a 1.
+  int mix(Lanes inputs) const {
+    const std::int32_t sum = dotProduct(packed(part(0) >> 6, part(4) >> 6), inputs);
+    return std::clamp(sum >> 14, -kStretchLimit, kStretchLimit);
+  }
+
+  /// `error`: what came, 65535 or 0, less the probability that this set gave.
+  void learn(Lanes inputs, int error) {
+    const WideLanes product = multiplyWide(splat(static_cast<std::int16_t>((error * rate) >> 12)), inputs);
+    move(0, product.low);
+    move(4, product.high);
+    rate -= (rate - MixerWeights::kLastRate) >> 6;
+  }
+
+ private:
+  Integers part(std::size_t i) const { return loadIntegers(&weight[i]); }
+  void move(std::size_t i, Integers product) {
+    const Words moved = (Words)part(i) + (Words)((product + 128) >> 8);
+    storeIntegers(&weight[i], (Integers)moved);
+  }
+};
+
 /// Mixes what two sets of weights give for the same inputs.
 struct FinalWeights {
   std::array<std::int32_t, 2> weight = {1 << 15, 1 << 15};  ///< units of 2^-16

@@ -24,16 +24,16 @@ struct Coded {
 };
 
 /// Encodes, decodes and compares.
-Coded roundTrip(const Surface& input) {
+Coded roundTrip(const Surface& input, Effort effort) {
   Coded coded;
   EntropyWriter writer;
-  const ConnectivityOrder order = encodeConnectivity(input, writer, coded.surface);
+  const ConnectivityOrder order = encodeConnectivity(input, effort, writer, coded.surface);
   coded.bits = writer.bitsSince(0);
   writer.finish(kChecksum, coded.bytes);
 
   Surface decoded;
   EntropyReader reader(coded.bytes);
-  const Status status = decodeConnectivity(reader, input.faceCount(), input.vertexCount(), decoded);
+  const Status status = decodeConnectivity(reader, effort, input.faceCount(), input.vertexCount(), decoded);
   EXPECT_FALSE(status);
   EXPECT_TRUE(reader.atEnd());
   EXPECT_EQ(reader.states(), finalStates(kChecksum));
@@ -60,43 +60,47 @@ Coded roundTrip(const Surface& input) {
   return coded;
 }
 
-Coded roundTrip(const meshes::Triangles& mesh) {
-  return roundTrip(cutToManifold(mesh.positions, mesh.indices).surface);
+Coded roundTrip(const meshes::Triangles& mesh, Effort effort) {
+  return roundTrip(cutToManifold(mesh.positions, mesh.indices).surface, effort);
 }
 
-TEST(Connectivity, Samples) {
+class Connectivity : public testing::TestWithParam<Effort> {};
+INSTANTIATE_TEST_SUITE_P(Efforts, Connectivity, testing::Values(Effort::kDefault, Effort::kMax),
+                         [](const auto& info) { return info.param == Effort::kMax ? "Max" : "Default"; });
+
+TEST_P(Connectivity, Samples) {
   for (const auto& [name, mesh] : meshes::samples()) {
     SCOPED_TRACE(name);
-    roundTrip(mesh);
+    roundTrip(mesh, GetParam());
   }
 }
 
-TEST(Connectivity, RandomSoups) {
+TEST_P(Connectivity, RandomSoups) {
   for (std::uint32_t seed = 0; seed < 3000 && !testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
-    roundTrip(meshes::soup(3 + seed % 50, 1 + seed * 11 % 300, seed));
+    roundTrip(meshes::soup(3 + seed % 50, 1 + seed * 11 % 300, seed), GetParam());
   }
 }
 
-TEST(Connectivity, RandomSurfaces) {
+TEST_P(Connectivity, RandomSurfaces) {
   for (std::uint32_t seed = 0; seed < 300 && !testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
     const meshes::Triangles torus = meshes::torus(3 + seed % 20, 3 + seed * 5 % 17);
-    roundTrip(meshes::perforated(meshes::shuffledDegrees(torus, seed * 10, seed), 0.001 * seed, seed));
+    roundTrip(meshes::perforated(meshes::shuffledDegrees(torus, seed * 10, seed), 0.001 * seed, seed), GetParam());
   }
 }
 
-TEST(Connectivity, RegularTorusIsNearlyFree) {
+TEST_P(Connectivity, RegularTorusIsNearlyFree) {
   const meshes::Triangles mesh = meshes::torus(100, 100);
-  EXPECT_LT(roundTrip(mesh).bits, 0.05 * mesh.vertexCount());
+  EXPECT_LT(roundTrip(mesh, GetParam()).bits, 0.05 * mesh.vertexCount());
 }
 
-TEST(Connectivity, LooseTrianglesCostFewBits) {
-  EXPECT_LT(roundTrip(meshes::repeated(meshes::triangle(), 5000)).bits, 0.5 * 5000);
+TEST_P(Connectivity, LooseTrianglesCostFewBits) {
+  EXPECT_LT(roundTrip(meshes::repeated(meshes::triangle(), 5000), GetParam()).bits, 0.5 * 5000);
 }
 
-TEST(Connectivity, NewVerticesHaveTheirGateAtCornerZero) {
-  const Surface surface = roundTrip(meshes::perforated(meshes::torus(20, 20), 0.1, 1)).surface;
+TEST_P(Connectivity, NewVerticesHaveTheirGateAtCornerZero) {
+  const Surface surface = roundTrip(meshes::perforated(meshes::torus(20, 20), 0.1, 1), GetParam()).surface;
   std::uint32_t starts = 0;
   for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
     const std::uint32_t corner = surface.vertex_corner[v];
@@ -113,8 +117,8 @@ TEST(Connectivity, NewVerticesHaveTheirGateAtCornerZero) {
   EXPECT_LT(starts, 20u);
 }
 
-TEST(Connectivity, RefusesOtherCounts) {
-  const Coded coded = roundTrip(meshes::sphere(9, 14));
+TEST_P(Connectivity, RefusesOtherCounts) {
+  const Coded coded = roundTrip(meshes::sphere(9, 14), GetParam());
   const std::uint32_t faces = coded.surface.faceCount();
   const std::uint32_t vertices = coded.surface.vertexCount();
   for (const auto& [f, v] : {std::pair{faces - 1, vertices},
@@ -126,19 +130,21 @@ TEST(Connectivity, RefusesOtherCounts) {
                              {0xffffffffu, vertices}}) {
     Surface surface;
     EntropyReader reader(coded.bytes);
-    const Status status = decodeConnectivity(reader, f, v, surface);
+    const Status status = decodeConnectivity(reader, GetParam(), f, v, surface);
     EXPECT_TRUE(status) << f << " faces, " << v << " vertices";
   }
 }
 
-TEST(Connectivity, DamagedStreamsNeverCrash) {
-  const Coded coded = roundTrip(meshes::perforated(meshes::shuffledDegrees(meshes::torus(12, 9), 200, 3), 0.2, 4));
+TEST_P(Connectivity, DamagedStreamsNeverCrash) {
+  const Coded coded =
+      roundTrip(meshes::perforated(meshes::shuffledDegrees(meshes::torus(12, 9), 200, 3), 0.2, 4), GetParam());
   for (std::size_t bit = 0; bit < 8 * coded.bytes.size(); ++bit) {
     std::vector<std::byte> damaged = coded.bytes;
     damaged[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
     Surface surface;
     EntropyReader reader(damaged);
-    const Status status = decodeConnectivity(reader, coded.surface.faceCount(), coded.surface.vertexCount(), surface);
+    const Status status =
+        decodeConnectivity(reader, GetParam(), coded.surface.faceCount(), coded.surface.vertexCount(), surface);
     if (!status) {
       EXPECT_EQ(surface.faceCount(), coded.surface.faceCount());
     }
@@ -146,12 +152,13 @@ TEST(Connectivity, DamagedStreamsNeverCrash) {
   for (std::size_t length = 0; length < coded.bytes.size(); ++length) {
     Surface surface;
     EntropyReader reader(std::span(coded.bytes).first(length));
-    const Status status = decodeConnectivity(reader, coded.surface.faceCount(), coded.surface.vertexCount(), surface);
+    const Status status =
+        decodeConnectivity(reader, GetParam(), coded.surface.faceCount(), coded.surface.vertexCount(), surface);
     EXPECT_TRUE(status || !reader.atEnd() || reader.states() != finalStates(kChecksum));
   }
 }
 
-TEST(Connectivity, RandomBytesNeverCrash) {
+TEST_P(Connectivity, RandomBytesNeverCrash) {
   std::mt19937 random(7);
   for (int run = 0; run < 6000; ++run) {
     std::vector<std::byte> bytes(8 + random() % 200);
@@ -160,7 +167,7 @@ TEST(Connectivity, RandomBytesNeverCrash) {
     const std::uint32_t vertices = run % 16 == 0 ? random() : random() % 200;
     Surface surface;
     EntropyReader reader(bytes);
-    const Status status = decodeConnectivity(reader, faces, vertices, surface);
+    const Status status = decodeConnectivity(reader, GetParam(), faces, vertices, surface);
     if (status || faces == 0) continue;
     for (const std::uint32_t corner : surface.opposite) ASSERT_LT(corner, 3 * faces);
     for (const std::uint32_t vertex : surface.corner_vertex) ASSERT_LT(vertex, vertices);

@@ -41,8 +41,9 @@ OwnedMesh seams() {
   return mesh;
 }
 
-Bytes coded(const OwnedMesh& mesh, double step, Mode mode, Predictor predictor) {
+Bytes coded(const OwnedMesh& mesh, double step, Mode mode, Predictor predictor, Effort effort = Effort::kDefault) {
   EncodeOptions options;
+  options.effort = effort;
   options.step = step;
   options.mode = mode;
   options.predictor = predictor;
@@ -51,7 +52,7 @@ Bytes coded(const OwnedMesh& mesh, double step, Mode mode, Predictor predictor) 
   return trip.encoded.bytes;
 }
 
-std::vector<Sample> fiveSamples() {
+std::vector<Sample> sixSamples() {
   OwnedMesh integers(meshes::torus(4, 4));
   integers.position_type = ComponentType::kInt16;
   for (float& x : integers.tables[0]) x = std::round(100 * x);
@@ -61,6 +62,7 @@ std::vector<Sample> fiveSamples() {
       {"non-manifold soup", coded(OwnedMesh(meshes::soup(14, 40, 3)), 0.5, Mode::kTangent, Predictor::kWeighted)},
       {"integers", coded(integers, 0, Mode::kLattice, Predictor::kAdaptive)},
       {"sphere", coded(OwnedMesh(meshes::sphere(5, 6)), 0.001, Mode::kTangent, Predictor::kAdaptive)},
+      {"effort max", coded(OwnedMesh(cubeWithHole()), 0.01, Mode::kAuto, Predictor::kAuto, Effort::kMax)},
   };
 }
 
@@ -71,7 +73,7 @@ std::int64_t peakMemoryBytes() {
 }
 
 TEST(Hostile, EveryTruncationIsAnError) {
-  for (const Sample& sample : fiveSamples()) {
+  for (const Sample& sample : sixSamples()) {
     for (std::size_t size = 0; size < sample.bytes.size(); ++size) {
       const auto outputs = decode(std::span(sample.bytes).first(size));
       ASSERT_FALSE(outputs) << sample.name << ", first " << size << " bytes";
@@ -81,7 +83,7 @@ TEST(Hostile, EveryTruncationIsAnError) {
 }
 
 TEST(Hostile, EverySingleBitFlipIsAnError) {
-  for (const Sample& sample : fiveSamples()) {
+  for (const Sample& sample : sixSamples()) {
     Bytes bytes = sample.bytes;
     for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
       bytes[bit / 8] ^= std::byte{1} << bit % 8;
@@ -110,7 +112,7 @@ TEST(Hostile, EveryByteValueOnSurfacesWithHandles) {
 }
 
 TEST(Hostile, EveryByteValueIsAnErrorButTheRightOne) {
-  for (const Sample& sample : fiveSamples()) {
+  for (const Sample& sample : sixSamples()) {
     Bytes bytes = sample.bytes;
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       for (int value = 1; value < 256; ++value) {
@@ -123,7 +125,7 @@ TEST(Hostile, EveryByteValueIsAnErrorButTheRightOne) {
 }
 
 TEST(Hostile, TrailingBytesAreAnError) {
-  for (const Sample& sample : fiveSamples()) {
+  for (const Sample& sample : sixSamples()) {
     Bytes bytes = sample.bytes;
     for (int count = 1; count < 20; ++count) {
       bytes.push_back(std::byte{0});
@@ -136,7 +138,7 @@ TEST(Hostile, TrailingBytesAreAnError) {
 
 TEST(Hostile, RandomPayloadsBehindValidHeaders) {
   std::mt19937 random(1);
-  for (const Sample& sample : fiveSamples()) {
+  for (const Sample& sample : sixSamples()) {
     Header header;
     std::size_t size = 0;
     ASSERT_FALSE(readHeader(sample.bytes, {}, header, size));
@@ -156,7 +158,7 @@ TEST(Hostile, RandomPayloadsBehindValidHeaders) {
 
 TEST(Hostile, HeadersThatAreEdited) {
   std::mt19937 random(2);
-  for (const Sample& sample : fiveSamples()) {
+  for (const Sample& sample : sixSamples()) {
     Header header;
     std::size_t size = 0;
     ASSERT_FALSE(readHeader(sample.bytes, {}, header, size));
@@ -219,7 +221,7 @@ TEST(Hostile, HugeCountsFailWithLittleMemory) {
 }
 
 TEST(Hostile, LimitsHold) {
-  const Bytes bytes = fiveSamples()[4].bytes;
+  const Bytes bytes = sixSamples()[4].bytes;
   const auto info = readStreamInfo(bytes);
   ASSERT_TRUE(info);
   std::uint64_t total = 0;
@@ -234,7 +236,7 @@ TEST(Hostile, LimitsHold) {
 }
 
 TEST(Hostile, OutputsMustHaveTheirSizes) {
-  for (const Sample& sample : fiveSamples()) {
+  for (const Sample& sample : sixSamples()) {
     const auto info = readStreamInfo(sample.bytes);
     ASSERT_TRUE(info);
     std::vector<Bytes> outputs;

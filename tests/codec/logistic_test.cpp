@@ -77,5 +77,21 @@ TEST(MixerWeights, StayDefinedWhateverComes) {
   }
 }
 
+TEST(EightWeights, DoAsSixteenWouldWithNoOtherInputs) {
+  MixerWeights sixteen;
+  EightWeights eight;
+  std::mt19937 random(3);
+  for (int i = 0; i < 4000; ++i) {
+    MixerInputs inputs{};
+    for (std::size_t k = 0; k < 8; ++k) {
+      inputs[k] = static_cast<std::int16_t>(random() % (2 * kStretchLimit + 1)) - kStretchLimit;
+    }
+    const int error = static_cast<int>(random() % 131071) - 65535;
+    ASSERT_EQ(eight.mix(loadLanes(inputs.data())), sixteen.mix(inputs));
+    eight.learn(loadLanes(inputs.data()), error);
+    sixteen.learn(inputs, error);
+  }
+}
+
 }  // namespace
 }  // namespace tsc

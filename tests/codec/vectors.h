@@ -130,6 +130,11 @@ inline std::vector<Vector> allVectors() {
   most.options.order = Order::kTraversal;
   most.options.predictor = Predictor::kAdaptive;
   most.options.effort = Effort::kMax;
+  const meshes::Triangles uneven = meshes::shuffledDegrees(meshes::torus(12, 9), 200, 3);
+  Vector& tips = add("max-tips", "Effort max on a torus of uneven degrees with holes: all kinds of decisions on tips",
+                     OwnedMesh(meshes::perforated(uneven, 0.1, 4)), 1.0 / 16);
+  tips.options.order = Order::kTraversal;
+  tips.options.effort = Effort::kMax;
   return all;
 }
 

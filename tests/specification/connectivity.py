@@ -2,6 +2,7 @@
 from collections import defaultdict
 
 from coding import BitModel, IntegerModel, SymbolModel, approach, bits, clamp, require
+from mixed_tips import MixedTips
 
 
 # ---------------------------------------------------------------------------- 1.4 Corners
@@ -168,13 +169,13 @@ class Gate:
 class Growth:
     """Grows a surface with the header's V vertices and F faces."""
 
-    def __init__(self, vertex_count, face_count, reader):
+    def __init__(self, vertex_count, face_count, is_max_effort, reader):
         self.vertex_count = vertex_count
         self.face_count = face_count
         self.reader = reader
         self.surface = Surface()
         self.front = Front()
-        self.tips = TipModel(vertex_count)
+        self.tips = MixedTips(vertex_count) if is_max_effort else TipModel(vertex_count)
         self.start_degree, self.split_distance, self.split_side = SymbolModel(), SymbolModel(), BitModel()
         self.dummy_degree, self.large_degree = IntegerModel(), IntegerModel()
         self.right = [IntegerModel() for _ in range(16)]
@@ -352,4 +353,4 @@ class TipModel:
 
 def decode_surface(header, reader):
     """The stage of section 5."""
-    return Growth(header.surface_vertices, header.surface_faces, reader).run()
+    return Growth(header.surface_vertices, header.surface_faces, header.is_max_effort, reader).run()

@@ -6,7 +6,10 @@ document section by section and favours being read over being fast:
 
     coding.py        1.3 arithmetic, 3 entropy coder, 4 adaptive models
     connectivity.py  1.4 corners, 5 connectivity
+    mixed_tips.py    5.7 tips at effort max
     positions.py     6 positions
+    mixed.py         6.9 positions at effort max
+    mixing.py        6.9.4 mixing
     assignment.py    7 references and assignment
     decoder.py       2 header, 8 outputs and checksum
 
