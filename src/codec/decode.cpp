@@ -22,7 +22,9 @@ Status decodePayload(const Header& header, EntropyReader& reader, Assignment& as
   PositionMap map;
   if (Status s = decodeReferences(surface, header.has_references, reader, map)) return s;
   const bool edges_end_here = header.counts.one_vertex_per_position && header.counts.primitive_face_count.size() == 1;
-  if (edges_end_here && header.positions.order == Order::kTraversal) surface.vertex_corner = {};  // not needed again
+  if (edges_end_here && header.positions.order == Order::kTraversal) {
+    surface.vertex_corner = std::vector<std::uint32_t>();  // not needed again
+  }
   if (Status s = decodePositions(surface, map, header.positions, edges_end_here, reader, positions)) return s;
   if (Status s = decodeAssignment(std::move(surface), map, positions, header.counts, reader, assignment)) return s;
   positions.resize(assignment.position_count);
