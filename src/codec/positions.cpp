@@ -107,6 +107,8 @@ class PositionCoder {
 
  private:
   static constexpr std::uint32_t kOverrunInterval = 1024;
+  /// Until then all components learn all they can from each vertex; then in turns, which is as good and faster.
+  static constexpr std::uint32_t kEagerUntil = 2048;
 
   std::uint32_t positionAt(std::uint32_t time) const { return order_.position.empty() ? time : order_.position[time]; }
 
@@ -124,7 +126,7 @@ class PositionCoder {
     } else {
       Prediction p;
       predict(time, stencils, p);
-      codeResiduals(coder, state, stencils.valence, (time & 3), p, target);
+      codeResiduals(coder, state, stencils.valence, time, p, target);
     }
   }
 
@@ -273,15 +275,16 @@ class PositionCoder {
     return around;
   }
 
-  /// `learning`: the component whose candidates learn from this vertex, if any.
   TSC_ALWAYS_INLINE void codeResiduals(Hot<Direction>& coder, VertexState& state, std::int32_t valence,
-                                       std::uint32_t learning, const Prediction& p, const glm::dvec3& target) {
+                                       std::uint32_t time, const Prediction& p, const glm::dvec3& target) {
     std::array<std::int32_t, 3> wanted{};
     if constexpr (Direction::kWrites) wanted = wantedResidual(p, target);
     std::array<Integers, kCandidates> candidates = candidatesOf(p);
     const ResidualContexts contexts = residualContexts(neighbourhoodOf(p, candidates));
     std::array<std::int32_t, 3> residual;
     std::uint32_t hits = 0;
+    const bool eager = time < kEagerUntil;
+    const std::uint32_t learning = eager ? 7 : 1u << time % 4;
     if (exact_hits_ || (p.count_class > 0 && residuals_.usesCandidates())) {
       codeComponents<true>(coder, p, contexts, candidates, learning, wanted, hits, residual);
     } else {
@@ -289,12 +292,13 @@ class PositionCoder {
     }
     codeLowBits(coder, contexts, hits, wanted, residual);
     remember(state, valence, p, residual, hits);
-    if (adaptive_ && learning % 2 == 1) {
+    if (adaptive_ && (eager || time % 2 == 1)) {
       offsets_[p.count_class].learn(features_, Integers{residual[0], residual[1], residual[2], 0});
     }
   }
 
-  /// `candidates`: their displacements from the predicted point, local.
+  /// `candidates`: their displacements from the predicted point, local. `learning`: bits of the components whose
+  /// candidates learn from this vertex.
   template <bool kWithCandidates>
   TSC_ALWAYS_INLINE void codeComponents(Hot<Direction>& coder, const Prediction& p, const ResidualContexts& contexts,
                                         std::array<Integers, kCandidates> candidates, std::uint32_t learning,
@@ -316,7 +320,7 @@ class PositionCoder {
         c.count_class = p.count_class;
         c.first_offset = offsets[0][a];
         c.second_offset = offsets[1][a];
-        c.candidates_learn = learning == static_cast<std::uint32_t>(a);
+        c.candidates_learn = (learning >> a & 1) != 0;
         if (exact_hits_) {
           const std::int32_t half_step = (1 << step_bits_[a]) >> 1;
           c.candidates = {(candidates[0][a] + half_step) >> step_bits_[a],

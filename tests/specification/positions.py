@@ -9,6 +9,7 @@ from mixed import MixedResiduals, arc_of
 
 PARALLELOGRAM, WEIGHTED, VALENCE, AVERAGE, ADAPTIVE = range(5)
 INFINITE = float("inf")
+EAGER_UNTIL = 2048  # time until which all learn from each position
 
 
 # ---------------------------------------------------------------------------- 6.1 The lattice
@@ -428,7 +429,7 @@ class ResidualReader:
         windows = [centred.window(0)] + [table.window(8 - o) for o in context.bins]
         shares = self.shares[p.model_class, a]
         b = self.reader.symbol(shares.mixed(windows), a)
-        if p.time % 4 == a:
+        if p.time % 4 == a or p.time < EAGER_UNTIL:
             shares.learn([w[b + 1] - w[b] for w in windows])
             table.update(b + 8 - min(context.bins, key=lambda o: abs(b - 8 - o)))
         centred.update(b)
@@ -504,7 +505,7 @@ class Positions:
         p.around = VectorsAround(p, header.is_tangent)
         p.offset = self.adaptive.offset(p) if header.predictor == ADAPTIVE else (0, 0, 0)
         residual = self.residuals.get(p, state)
-        if header.predictor == ADAPTIVE and p.time % 2 == 1:
+        if header.predictor == ADAPTIVE and (p.time % 2 == 1 or p.time < EAGER_UNTIL):
             self.adaptive.learn(p, residual)
         return residual
 
