@@ -20,6 +20,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "lanes.h"
+
 namespace tsc {
 
 class Front {
@@ -94,7 +96,7 @@ class Front {
   }
 
   /// The caller knows that it is not 0. A node whose queue stays the same keeps its place there.
-  void decrementFreeValence(std::uint32_t node) {
+  TSC_ALWAYS_INLINE void decrementFreeValence(std::uint32_t node) {
     Node& entry = nodes_[node];
     --entry.free_valence;
     const std::uint32_t index = queueOf(entry);

@@ -1,18 +1,46 @@
-// Logistic mixing of binary predictions, in integers (BITSTREAM.md, section 6.9; the idea is that of the PAQ
-// compressors, Mahoney 2005).
-//
-// Probabilities are in units of 2^-16. The *stretched* value of a probability p is ln(p / (1 - p)) in units of 2^-8,
-// within +-kStretchLimit; `squash` is its inverse. Mixers add stretched values with weights that learn.
+// Logistic mixing of binary predictions, in lanes (BITSTREAM.md, section 6.9.4; the idea is that of the PAQ
+// compressors, Mahoney 2005): adaptive chances of a bit, and weights that learn to add what they say.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "lanes.h"
 
 namespace tsc {
 
+/// Four adaptive probabilities of a bit, a lane each: the probability in units of 2^-16 in the lower half, in the upper
+/// one how far the next update goes, which becomes less with each.
+namespace chances {
+
+inline constexpr std::int32_t kUnknown = 0x7fff8000;
+inline constexpr std::int16_t kSlowest = 257;
+
+/// log2 of p / (1 - p), in units of 2^-7, linear between powers of two: a float's bits are just that. Below 2^12.
+TSC_ALWAYS_INLINE Integers stretched(Integers chance) {
+  const Integers one = ((chance & 0xffff) << 1) + 1;
+  return ((Integers) __builtin_convertvector(one, Floats) -
+          (Integers) __builtin_convertvector((1 << 17) - one, Floats)) >>
+         16;
+}
+
+/// `bits`: what came, 65535 or 0 in all lanes.
+TSC_ALWAYS_INLINE Integers updated(Integers chance, Integers bits) {
+  // How far it is to the other value, so that one product moves the probability and the rate.
+  const Lanes distance = (Lanes)(chance ^ bits);
+  const Lanes lanes = (Lanes)chance;
+  const Lanes rate = __builtin_shufflevector(lanes, lanes, 1, 1, 3, 3, 5, 5, 7, 7);
+  const Lanes rest = (Lanes)((UnsignedLanes)distance - (UnsignedLanes)multiplyHighUnsigned(distance, rate));
+  constexpr std::int16_t kNone = -32768;
+  const Lanes bounded = atLeast(rest, Lanes{kNone, kSlowest, kNone, kSlowest, kNone, kSlowest, kNone, kSlowest});
+  return (Integers)bounded ^ bits;
+}
+
+}  // namespace chances
+
+/// What mixing gives is ln(p / (1 - p)) in units of 2^-8, within +-kStretchLimit.
 inline constexpr int kStretchLimit = 2815;  // 11 nats
 
 /// 2^16 / (1 + e^-x) for x = -11, -10.5, ... 11.
@@ -21,7 +49,7 @@ inline constexpr std::array<std::uint16_t, 45> kSquashKnots = {
     1921,  3108,  4971,  7812,  11955, 17625, 24743, 32768, 40793, 47911, 53581, 57724, 60565, 62428, 63615,
     64357, 64816, 65097, 65269, 65374, 65438, 65476, 65500, 65514, 65523, 65528, 65531, 65533, 65534, 65535};
 
-/// The probability of a stretched value within +-kStretchLimit: between knots by straight lines.
+/// The probability in units of 2^-16, 1..65535: between knots by straight lines.
 constexpr int squash(int stretched) {
   const int from_first = stretched + kStretchLimit + 1;
   const auto knot = static_cast<std::size_t>(from_first >> 7);
@@ -29,133 +57,42 @@ constexpr int squash(int stretched) {
   return (kSquashKnots[knot] * (128 - part) + kSquashKnots[knot + 1] * part + 64) >> 7;
 }
 
-/// For each probability without its lowest four bits: the least value that `squash` takes there or beyond. 0 for 1/2.
-inline constexpr std::array<std::int16_t, 4096> kStretch = [] {
-  std::array<std::int16_t, 4096> table{};
-  int stretched = -kStretchLimit;
-  for (int i = 0; i < 4096; ++i) {
-    while (stretched < kStretchLimit && squash(stretched) < 16 * i) ++stretched;
-    table[static_cast<std::size_t>(i)] = static_cast<std::int16_t>(stretched);
+/// `squash` of each value within +-kStretchLimit.
+inline constexpr std::array<std::uint16_t, 2 * kStretchLimit + 1> kSquashed = [] {
+  std::array<std::uint16_t, 2 * kStretchLimit + 1> table{};
+  for (int i = -kStretchLimit; i <= kStretchLimit; ++i) {
+    table[static_cast<std::size_t>(i + kStretchLimit)] = static_cast<std::uint16_t>(squash(i));
   }
   return table;
 }();
 
-/// Adaptive probability of a bit, all zeros when nothing is known: the n-th update goes about 1 / n of the way.
-struct Chance {
-  std::uint16_t flipped = 0;  ///< the probability, its highest bit inverted
-  std::uint16_t count = 0;    ///< updates so far, at most kCountLimit; kInert where nothing is ever learned
+/// The probability of a 1 by the sum of weights times inputs.
+TSC_ALWAYS_INLINE int mixedProbability(std::int32_t sum) {
+  const int stretched = std::clamp(sum >> 14, -kStretchLimit, kStretchLimit);
+  return kSquashed[static_cast<std::size_t>(stretched + kStretchLimit)];
+}
 
-  static constexpr int kCountLimit = 255;
-  static constexpr int kInert = 256;
+/// Weights of `kInputs` stretched probabilities, a multiple of eight, in units of 2^-14. A set learns fast at first.
+template <std::size_t kInputs, std::int16_t kFirstWeight, std::int32_t kFirstRate, std::int32_t kLastRate>
+struct alignas(16) LaneWeights {
+  static_assert(kInputs % 8 == 0 && kLastRate <= kFirstRate && kFirstRate < 1 << 15);
 
-  int stretched() const { return kStretch[static_cast<std::size_t>((flipped ^ 0x8000) >> 4)]; }
-
-  void update(bool bit) {
-    // Towards 65535 as the complement goes towards 0; the rate is below 2^16.
-    const std::uint32_t mask = bit ? 0x7fffu : 0x8000u;
-    const std::uint32_t from_target = flipped ^ mask;
-    flipped = static_cast<std::uint16_t>((from_target - (from_target * kRates[count] >> 16)) ^ mask);
-    count = static_cast<std::uint16_t>(count + (count < kCountLimit));
-  }
-
- private:
-  static constexpr std::array<std::uint16_t, kInert + 1> kRates = [] {
-    std::array<std::uint16_t, kInert + 1> rates{};
-    for (int n = 0; n <= kCountLimit; ++n) {
-      rates[static_cast<std::size_t>(n)] = static_cast<std::uint16_t>(655360 / (10 * n + 16));
-    }
-    return rates;
-  }();
-};
-
-inline constexpr int kMixerInputs = 16;
-using MixerInputs = std::array<std::int16_t, kMixerInputs>;  ///< stretched
-
-/// One set of weights, in units of 2^-20; they count as at most +-2. A set learns fast at first.
-struct alignas(16) MixerWeights {
-  std::array<std::int32_t, kMixerInputs> weight;
+  std::array<std::int16_t, kInputs> weight;
   std::int32_t rate = kFirstRate;
 
-  static constexpr std::int32_t kFirstWeight = 251658;  // 0.24
-  static constexpr std::int32_t kFirstRate = 1920;
-  static constexpr std::int32_t kLastRate = 384;
+  LaneWeights() { weight.fill(kFirstWeight); }
 
-  MixerWeights() { weight.fill(kFirstWeight); }
+  /// Eight of the weights.
+  TSC_ALWAYS_INLINE Lanes part(std::size_t i) const { return loadLanes(&weight[8 * i]); }
 
-  /// The stretched probability of a 1.
-  int mix(const MixerInputs& inputs) const {
-    const Lanes low = packed(part(0) >> 6, part(4) >> 6);
-    const Lanes high = packed(part(8) >> 6, part(12) >> 6);
-    // 16 products below 2^12 * 2^15
-    const std::int32_t sum = dotProduct(low, loadLanes(&inputs[0])) + dotProduct(high, loadLanes(&inputs[8]));
-    return std::clamp(sum >> 14, -kStretchLimit, kStretchLimit);
-  }
-
-  /// `error`: what came, 65535 or 0, less the probability that this set gave.
-  void learn(const MixerInputs& inputs, int error) {
-    const Lanes step = splat(static_cast<std::int16_t>((error * rate) >> 12));  // below 2^16 * 1920 / 2^12
-    for (int i = 0; i < kMixerInputs; i += 8) {
-      const WideLanes product = multiplyWide(step, loadLanes(&inputs[static_cast<std::size_t>(i)]));
-      move(i, product.low);
-      move(i + 4, product.high);
-    }
+  /// Inputs times this are what weights move by. `error`: what came, 65535 or 0, less the probability given.
+  TSC_ALWAYS_INLINE Lanes step(int error) {
+    const Integers result = splatInteger((error * rate) >> 13);  // a product below 2^16 * 2^15
     rate -= (rate - kLastRate) >> 6;
+    return packed(result, result);  // saturated, which takes a rate of 2^12 or more
   }
-
- private:
-  Integers part(int i) const { return loadIntegers(&weight[static_cast<std::size_t>(i)]); }
-  /// Modulo 2^32, which only a stream made for it could reach: what is too large counts as +-2 meanwhile.
-  void move(int i, Integers product) {
-    const Words moved = (Words)part(i) + (Words)((product + 128) >> 8);
-    storeIntegers(&weight[static_cast<std::size_t>(i)], (Integers)moved);
-  }
-};
-
-/// Weights for eight inputs, otherwise as `MixerWeights`.
-struct alignas(16) EightWeights {
-  std::array<std::int32_t, 8> weight;
-  std::int32_t rate = MixerWeights::kFirstRate;
-
-  EightWeights() { weight.fill(MixerWeights::kFirstWeight); }
-
-  /// The stretched probability of a 1.
-  int mix(Lanes inputs) const {
-    const std::int32_t sum = dotProduct(packed(part(0) >> 6, part(4) >> 6), inputs);
-    return std::clamp(sum >> 14, -kStretchLimit, kStretchLimit);
-  }
-
-  /// `error`: what came, 65535 or 0, less the probability that this set gave.
-  void learn(Lanes inputs, int error) {
-    const WideLanes product = multiplyWide(splat(static_cast<std::int16_t>((error * rate) >> 12)), inputs);
-    move(0, product.low);
-    move(4, product.high);
-    rate -= (rate - MixerWeights::kLastRate) >> 6;
-  }
-
- private:
-  Integers part(std::size_t i) const { return loadIntegers(&weight[i]); }
-  void move(std::size_t i, Integers product) {
-    const Words moved = (Words)part(i) + (Words)((product + 128) >> 8);
-    storeIntegers(&weight[i], (Integers)moved);
-  }
-};
-
-/// Mixes what two sets of weights give for the same inputs.
-struct FinalWeights {
-  std::array<std::int32_t, 2> weight = {1 << 15, 1 << 15};  ///< units of 2^-16
-
-  int mix(int first, int second) const {
-    const std::int64_t sum = std::int64_t{weight[0]} * first + std::int64_t{weight[1]} * second;
-    return static_cast<int>(std::clamp<std::int64_t>(sum >> 16, -kStretchLimit, kStretchLimit));
-  }
-  void learn(int first, int second, int error) {
-    weight[0] = moved(weight[0], first * error);  // below 2^12 * 2^16
-    weight[1] = moved(weight[1], second * error);
-  }
-
- private:
-  static std::int32_t moved(std::int32_t weight, int product) {
-    return std::clamp(weight + ((product + (1 << 16)) >> 17), -(1 << 20), 1 << 20);
+  TSC_ALWAYS_INLINE void learn(std::size_t i, Lanes inputs, Lanes step) {
+    storeLanes(&weight[8 * i], saturatedSum(part(i), (multiplyHigh(inputs << 3, step) + 1) >> 1));
   }
 };
 

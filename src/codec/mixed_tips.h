@@ -4,7 +4,7 @@
 // Degree 6 is decided first, then whether the degree is lower, then degree after degree away from 6. Each context has a
 // few chances, one for each decision, that lie together: the first four, which are most of what is used, in a slot of
 // one table, the rest in a slot of another, smaller one. Slots are chosen by a hash; two contexts with the same hash
-// share one. Tables follow the size of the mesh and need no initialisation beyond cleared memory.
+// share one. Tables follow the size of the mesh.
 #pragma once
 
 #include <algorithm>
@@ -60,7 +60,9 @@ class MixedTips {
         rare_bits_(std::min(bits_, kMaxRareTableBits)),
         slots_(kTipContexts << bits_),
         rare_slots_(kTipContexts << rare_bits_),
-        repetition_(bits_) {}
+        repetition_(bits_) {
+    std::fill_n(&by_length_[0][0][0], kDecisions * kLengths * 2, chances::kUnknown);
+  }
 
   /// Codes a symbol, which only a writing direction looks at.
   template <class Direction>
@@ -91,14 +93,22 @@ class MixedTips {
   static constexpr std::size_t kLaterAbove = kLaterBelow + kBelow.size() - 2;
   static constexpr std::size_t kDecisions = kLaterAbove + kAbove.size() - 2;
   static constexpr std::uint32_t kLengths = 32;
-  static constexpr std::int16_t kBias = 512;  ///< an input that is always the same
+  static constexpr std::int32_t kBias = 400;  ///< an input that is always the same
 
   struct alignas(16) Slot {
-    std::array<Chance, kSlotSize> chance;
+    std::array<std::int32_t, kSlotSize> chance = filled<kSlotSize>();
   };
   struct RareSlot {
-    std::array<Chance, kDecisions - kSlotSize> chance;
+    std::array<std::int32_t, kDecisions - kSlotSize> chance = filled<kDecisions - kSlotSize>();
   };
+  using Weights = LaneWeights<8, 5500, 10000, 1500>;
+
+  template <std::size_t kCount>
+  static constexpr std::array<std::int32_t, kCount> filled() {
+    std::array<std::int32_t, kCount> chances{};
+    chances.fill(chances::kUnknown);
+    return chances;
+  }
 
   void begin(const std::array<std::uint32_t, kTipContexts>& contexts) {
     for (std::size_t k = 0; k < kTipContexts; ++k) {
@@ -136,20 +146,28 @@ class MixedTips {
   /// `expected`: what the repetition says of this decision.
   template <class Direction>
   TSC_ALWAYS_INLINE bool decide(Direction& direction, std::size_t node, bool expected, bool value) {
-    std::array<Chance*, kTipContexts> chance;
+    // Seven chances, and a lane that nobody reads.
+    std::array<std::int32_t*, kTipContexts + 1> place;
     for (std::size_t k = 0; k < kTipContexts; ++k) {
-      chance[k] = node < kSlotSize ? slot_[k] + node : rare_slot_[k] + (node - kSlotSize);
+      place[k] = node < kSlotSize ? slot_[k] + node : rare_slot_[k] + (node - kSlotSize);
     }
-    Chance* const repeated = repeats_ ? &by_length_[node][length_ - 1][expected] : &inert_;
-    const auto input = [&](const Chance* c) { return static_cast<std::int16_t>(c->stretched()); };
-    const Lanes inputs = {input(chance[0]), input(chance[1]), input(chance[2]), input(chance[3]),
-                          input(chance[4]), input(chance[5]), input(repeated),  kBias};
-    EightWeights& weights = weights_[node];
-    const int probability = squash(weights.mix(inputs));
+    place[kTipContexts] = repeats_ ? &by_length_[node][length_ - 1][expected] : &unread_;
+    const Integers first = {*place[0], *place[1], *place[2], *place[3]};
+    const Integers second = {*place[4], *place[5], *place[6], 0};
+    const Integers known = {-1, -1, -static_cast<std::int32_t>(repeats_), 0};
+    const Lanes inputs =
+        packed(chances::stretched(first), (chances::stretched(second) & known) | Integers{0, 0, 0, kBias});
+
+    Weights& weights = weights_[node];
+    const int probability = mixedProbability(dotProduct(weights.part(0), inputs));  // 8 products below 2^12 * 2^15
     value = direction.chance(static_cast<std::uint32_t>(std::clamp(probability >> 1, 1, 32767)), value);
-    weights.learn(inputs, (value ? 65535 : 0) - probability);
-    for (Chance* c : chance) c->update(value);
-    repeated->update(value);
+
+    const int came = -static_cast<int>(value) & 65535;
+    weights.learn(0, inputs, weights.step(came - probability));
+    const Integers first_updated = chances::updated(first, splatInteger(came));
+    const Integers second_updated = chances::updated(second, splatInteger(came));
+    for (int k = 0; k < 4; ++k) *place[k] = first_updated[k];
+    for (int k = 0; k < 3; ++k) *place[4 + k] = second_updated[k];
     repeats_ &= expected == value;
     return value;
   }
@@ -159,12 +177,12 @@ class MixedTips {
   std::vector<Slot> slots_;           ///< [context][hash]
   std::vector<RareSlot> rare_slots_;  ///< [context][hash]
   Repetition repetition_;
-  Chance by_length_[kDecisions][kLengths][2];
-  Chance inert_{0, Chance::kInert};
-  EightWeights weights_[kDecisions];
+  std::int32_t by_length_[kDecisions][kLengths][2];
+  std::int32_t unread_ = chances::kUnknown;  ///< stands for the repetition's chance where nothing is expected
+  Weights weights_[kDecisions];
   // Of the symbol at work:
-  std::array<Chance*, kTipContexts> slot_{};
-  std::array<Chance*, kTipContexts> rare_slot_{};
+  std::array<std::int32_t*, kTipContexts> slot_{};
+  std::array<std::int32_t*, kTipContexts> rare_slot_{};
   bool repeats_ = false;  ///< something is expected, and no decision has shown that it is not what comes
   std::uint32_t expected_ = 0;
   std::uint32_t length_ = 0;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "direction.h"
-#include "logistic_lanes.h"
+#include "logistic.h"
 
 namespace tsc {
 
@@ -62,6 +62,7 @@ class ResidualMixer {
   static constexpr int kDistances = 24;
   static constexpr int kVoteClasses = 10 * 8;
   static constexpr int kWeightNodes = 21;
+  using Weights = LaneWeights<16, 2000, 3000, 1500>;
   // Chances stand in one table: [prediction][its context][node][distance], [votes][node], [context][value][node][side],
   // and last those of predictions that are not there.
   static constexpr int kVoteChances = kMixedPredictions * kPredictionContexts * kNodes * kDistances;
@@ -168,14 +169,13 @@ class ResidualMixer {
     if constexpr (kLattice) inputs[1] = packed(chances::stretched(chance[2]), Integers{kBias, 0, 0, 0});
 
     const int weight_node = std::min(node, kWeightNodes - 1);
-    LaneWeights& first = by_scale_[weight_node][weight_set_[0]];
-    LaneWeights& second = by_hits_[weight_node][weight_set_[1]];
+    Weights& first = by_scale_[weight_node][weight_set_[0]];
+    Weights& second = by_hits_[weight_node][weight_set_[1]];
     std::int32_t sum = 0;  // 16 products below 2^12 * 2^15
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       sum += dotProduct(saturatedSum(first.part(i), second.part(i)), inputs[i]);
     }
-    const int stretched = std::clamp(sum >> 14, -kStretchLimit, kStretchLimit);
-    const int probability = kSquashed[static_cast<std::size_t>(stretched + kStretchLimit)];
+    const int probability = mixedProbability(sum);
     value = direction_.chance(static_cast<std::uint32_t>(std::clamp(probability >> 1, 1, 32767)), value);
 
     const int came = -static_cast<int>(value) & 65535;
@@ -226,8 +226,8 @@ class ResidualMixer {
   Direction direction_;
   bool lattice_;
   std::vector<std::int32_t> chances_;
-  LaneWeights by_scale_[kWeightNodes][14];
-  LaneWeights by_hits_[kWeightNodes][36];
+  Weights by_scale_[kWeightNodes][14];
+  Weights by_hits_[kWeightNodes][36];
   // Of the residual at work:
   std::array<std::uint8_t, 2> weight_set_{};
   std::array<Integers, 2> prediction_{};  ///< mirrored on the negative side

@@ -2,8 +2,9 @@
 from collections import defaultdict
 from math import isqrt
 
-from coding import add, bits, clamp, dot, largest, log, shift_right, sub
+from coding import add, bits, clamp, dot, largest, shift_right, sub
 from connectivity import next_corner, previous_corner
+from mixing import Chance, Weights, decide
 
 # ---------------------------------------------------------------------------- 6.9.1 The arc
 
@@ -145,56 +146,6 @@ class LeastSquares:
                 component.descend(i, f.count, 1 + 2**18 // self.seen)
 
 
-# ---------------------------------------------------------------------------- 6.9.4 Mixing
-
-KNOTS = [1, 2, 3, 5, 8, 13, 22, 36, 60, 98, 162, 267, 439, 720, 1179, 1921, 3108, 4971, 7812, 11955, 17625, 24743,
-         32768, 40793, 47911, 53581, 57724, 60565, 62428, 63615, 64357, 64816, 65097, 65269, 65374, 65438, 65476,
-         65500, 65514, 65523, 65528, 65531, 65533, 65534, 65535]
-
-
-def squash(x):
-    i, part = (x + 2816) >> 7, (x + 2816) & 127
-    return (KNOTS[i] * (128 - part) + KNOTS[i + 1] * part + 64) >> 7
-
-
-class Chance:
-    def __init__(self):
-        self.p = 32768
-        self.rate = 32767
-
-    def stretched(self):
-        return (log(2 * self.p + 1) - log(131071 - 2 * self.p)) >> 16
-
-    def update(self, bit):
-        if bit:
-            distance = 65535 - self.p
-            self.p = 65535 - (distance - ((distance * self.rate) >> 16))
-        else:
-            self.p -= (self.p * self.rate) >> 16
-        self.rate = max(self.rate - ((self.rate * self.rate) >> 16), 257)
-
-
-def short(x):
-    return clamp(x, -32768, 32767)
-
-
-class Weights:
-    def __init__(self):
-        self.weight = [2000] * 16
-        self.rate = 3000
-
-    def learn(self, inputs, error):
-        step = (error * self.rate) >> 13
-        self.rate -= (self.rate - 1500) >> 6
-        for i, x in enumerate(inputs):
-            self.weight[i] = short(self.weight[i] + ((((8 * x * step) >> 16) + 1) >> 1))
-
-
-def mix(first, second, inputs):
-    total = sum(short(v + w) * x for v, w, x in zip(first.weight, second.weight, inputs))
-    return clamp(total >> 14, -2815, 2815)
-
-
 # ---------------------------------------------------------------------------- 6.9.5 Residuals
 
 class Evidence:
@@ -218,7 +169,7 @@ class ResidualMixer:
         self.reader = reader
         self.is_tangent = is_tangent
         self.by_distance, self.by_context, self.by_votes = (defaultdict(Chance) for _ in range(3))
-        self.by_scale, self.by_hits = defaultdict(Weights), defaultdict(Weights)
+        self.by_scale, self.by_hits = (defaultdict(lambda: Weights(16, 2000, 3000, 1500)) for _ in range(2))
 
     def get(self, evidence):
         self.evidence = evidence
@@ -272,17 +223,8 @@ class ResidualMixer:
         inputs = [chances[i].stretched() if i in chances else 0 for i in range(16)]
         if not self.is_tangent:
             inputs[12] = 256
-        first, second = self.by_scale[min(node, 20), e.sets[0]], self.by_hits[min(node, 20), e.sets[1]]
-        p = squash(mix(first, second, inputs))
-        one = clamp(p >> 1, 1, 32767)
-        bit = int(self.reader.slot() < one)
-        self.reader.consume(0 if bit else one, one if bit else 32768 - one)
-        error = (65535 if bit else 0) - p
-        first.learn(inputs, error)
-        second.learn(inputs, error)
-        for chance in chances.values():
-            chance.update(bit)
-        return bit
+        sets = self.by_scale[min(node, 20), e.sets[0]], self.by_hits[min(node, 20), e.sets[1]]
+        return decide(sets, inputs, chances.values(), self.reader)
 
 
 # ---------------------------------------------------------------------------- 6.9.6 Contexts

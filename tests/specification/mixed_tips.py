@@ -2,7 +2,7 @@
 from collections import defaultdict
 
 from coding import bits, clamp
-from mixing import Chance, Weights, squash
+from mixing import Chance, Weights, decide
 
 HASH = 0x9E3779B1
 BELOW = [2, 1, 0, 13]
@@ -77,7 +77,7 @@ class MixedTips:
         self.rare_number_bits = min(self.number_bits, 10)        # N
         self.slots = defaultdict(Chance)                         # by context, number and decision
         self.by_length = defaultdict(Chance)
-        self.weights = defaultdict(lambda: Weights(8))
+        self.weights = defaultdict(lambda: Weights(8, 5500, 10000, 1500))
         self.repetition = Repetition(self.number_bits)
 
     def get(self, gate, reader):
@@ -111,14 +111,7 @@ class MixedTips:
             inputs.append(chances[-1].stretched())
         else:
             inputs.append(0)
-        inputs.append(512)
-        weights = self.weights[d]
-        q = squash(weights.mix(inputs))
-        one = clamp(q >> 1, 1, 32767)
-        bit = self.reader.slot() < one
-        self.reader.consume(0 if bit else one, one if bit else 32768 - one)
-        weights.learn(inputs, 65535 * bit - q)
-        for chance in chances:
-            chance.update(bit)
+        inputs.append(400)
+        bit = decide([self.weights[d]], inputs, chances, self.reader)
         self.holds = self.holds and expected == bit
         return bit

@@ -1,5 +1,5 @@
 """Logistic mixing: BITSTREAM.md, section 6.9.4."""
-from coding import clamp, dot
+from coding import clamp, log
 
 KNOTS = [1, 2, 3, 5, 8, 13, 22, 36, 60, 98, 162, 267, 439, 720, 1179, 1921, 3108, 4971, 7812, 11955, 17625, 24743,
          32768, 40793, 47911, 53581, 57724, 60565, 62428, 63615, 64357, 64816, 65097, 65269, 65374, 65438, 65476,
@@ -11,59 +11,55 @@ def squash(x):
     return (KNOTS[i] * (128 - part) + KNOTS[i + 1] * part + 64) >> 7
 
 
-def stretch_table():
-    table, x = [], -2815
-    for i in range(4096):
-        while x < 2815 and squash(x) < 16 * i:
-            x += 1
-        table.append(x)
-    return table
-
-
-STRETCH = stretch_table()
-
-
 class Chance:
     def __init__(self):
         self.p = 32768
-        self.count = 0
+        self.rate = 32767
 
     def stretched(self):
-        return STRETCH[self.p >> 4]
+        return (log(2 * self.p + 1) - log(131071 - 2 * self.p)) >> 16
 
     def update(self, bit):
-        rate = 655360 // (10 * self.count + 16)
         if bit:
-            self.p += ((65535 - self.p) * rate) >> 16
+            distance = 65535 - self.p
+            self.p = 65535 - (distance - ((distance * self.rate) >> 16))
         else:
-            self.p -= (self.p * rate) >> 16
-        self.count = min(self.count + 1, 255)
+            self.p -= (self.p * self.rate) >> 16
+        self.rate = max(self.rate - ((self.rate * self.rate) >> 16), 257)
+
+
+def short(x):
+    return clamp(x, -32768, 32767)
 
 
 class Weights:
-    def __init__(self, count=16):
-        self.weight = [251658] * count
-        self.rate = 1920
+    """A weight set: how many weights and what they are at first, the rate at first and at last."""
 
-    def mix(self, inputs):
-        total = sum(clamp(w >> 6, -32768, 32767) * x for w, x in zip(self.weight, inputs))
-        return clamp(total >> 14, -2815, 2815)
+    def __init__(self, count, first, rate, last_rate):
+        self.weight = [first] * count
+        self.rate, self.last_rate = rate, last_rate
 
     def learn(self, inputs, error):
-        step = (error * self.rate) >> 12
+        step = short((error * self.rate) >> 13)
+        self.rate -= (self.rate - self.last_rate) >> 6
         for i, x in enumerate(inputs):
-            w = self.weight[i] + ((x * step + 128) >> 8)
-            self.weight[i] = (w + 2**31) % 2**32 - 2**31
-        self.rate -= (self.rate - 384) >> 6
+            self.weight[i] = short(self.weight[i] + ((((8 * x * step) >> 16) + 1) >> 1))
 
 
-class FinalWeights:
-    def __init__(self):
-        self.weight = [32768, 32768]
+def mix(sets, inputs):
+    """By the weights of all sets together."""
+    total = sum(short(sum(weights)) * x for *weights, x in zip(*(s.weight for s in sets), inputs))
+    return clamp(total >> 14, -2815, 2815)
 
-    def mix(self, pair):
-        return clamp(dot(self.weight, pair) >> 16, -2815, 2815)
 
-    def learn(self, pair, error):
-        for i in range(2):
-            self.weight[i] = clamp(self.weight[i] + ((pair[i] * error + 65536) >> 17), -2**20, 2**20)
+def decide(sets, inputs, chances, reader):
+    """A bit that the inputs predict; sets and chances learn from it."""
+    q = squash(mix(sets, inputs))
+    one = clamp(q >> 1, 1, 32767)
+    bit = int(reader.slot() < one)
+    reader.consume(0 if bit else one, one if bit else 32768 - one)
+    for weights in sets:
+        weights.learn(inputs, 65535 * bit - q)
+    for chance in chances:
+        chance.update(bit)
+    return bit
