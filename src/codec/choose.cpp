@@ -43,7 +43,7 @@ class Trials {
 
 /// So many positions tell which way is the cheapest.
 std::uint32_t sampleSize(std::uint32_t position_count) {
-  constexpr std::uint32_t kLeast = 8192;
+  constexpr std::uint32_t kLeast = 4096;
   return std::max(kLeast, position_count / 6);
 }
 
