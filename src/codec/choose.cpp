@@ -108,9 +108,6 @@ Trial bestPositions(const PositionInput& input, const Header& header, const Enco
   const std::uint32_t sample = sampleSize(input.map.position_count);
   Trial best = trials.run(candidates[0], sample, false);
   for (std::size_t i = 1; i < candidates.size(); ++i) {
-    // A single parallelogram wins only where hits do.
-    const bool guesses = candidates[i].predictor == Predictor::kParallelogram;
-    if (guesses && options.predictor == Predictor::kAuto && !best.parameters.exact_hits) continue;
     Trial trial = trials.run(candidates[i], sample, false);
     if (trial.cost() < best.cost()) best = std::move(trial);
   }
