@@ -215,9 +215,9 @@ class PositionCoder {
       p.around[3 * j + 1] = right;
       p.around[3 * j + 2] = base;
     }
-    Lanes memory{};
-    for (const VertexState* state : p.around) memory += loadLanes(state->memory.data());
-    p.magnitude = widenedHigh(memory);
+    UnsignedLanes memory{};  // the lanes of magnitudes stay within 15 bits, the others wrap
+    for (const VertexState* state : p.around) memory += (UnsignedLanes)loadLanes(state->memory.data());
+    p.magnitude = widenedHigh((Lanes)memory);
     p.mean = average(p.candidates[0], p.candidates[1] + p.candidates[2] - p.candidates[0] - p.candidates[0], count);
   }
 
