@@ -28,8 +28,9 @@ struct ResidualSteps {
   /// Local coordinates of one component in sixteenths of a step, rounded, within +-kPredictionLimit.
   Integers sixteenths(Integers local, std::size_t a) const {
     const Integers sign = local >> 31;
-    const Integers doubled = (smaller((local ^ sign) - sign, splatInteger(1 << 26)) << 5) + step[a];  // below 2^32
-    const Integers wide = wordProductsHigh(doubled, static_cast<std::uint32_t>(reciprocal[a]));
+    const Words magnitude = (Words)smaller((local ^ sign) - sign, splatInteger(1 << 26));
+    const Words doubled = (magnitude << 5) + static_cast<std::uint32_t>(step[a]);  // below 2^32
+    const Integers wide = wordProductsHigh((Integers)doubled, static_cast<std::uint32_t>(reciprocal[a]));
     return (smaller(wide, splatInteger(kPredictionLimit)) ^ sign) - sign;
   }
 };
