@@ -10,35 +10,13 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
+#include "cumulative_table.h"
 #include "entropy.h"
 #include "lanes.h"
 
 namespace tsc {
-
-/// Lane s > 0: cumulative frequency below symbol s, times 2^-15. Lane 0: the table's age, which grows with each update
-/// from 1 or more towards 2^15 - 1; 0 in a fresh table.
-struct alignas(32) CumulativeTable {
-  std::int16_t lanes[16] = {};
-
-  Lanes low() const { return loadLanes(std::assume_aligned<16>(lanes)); }
-  Lanes high() const { return loadLanes(std::assume_aligned<16>(lanes + 8)); }
-};
-
-/// Where a table moves when `symbol` is coded: every symbol has frequency 1 and `symbol` the rest.
-inline constexpr std::array<CumulativeTable, 16> kTableTargets = [] {
-  std::array<CumulativeTable, 16> targets{};
-  for (int symbol = 0; symbol < 16; ++symbol) {
-    targets[symbol].lanes[0] = 32767;
-    for (int s = 1; s < 16; ++s) {
-      targets[symbol].lanes[s] =
-          static_cast<std::int16_t>(s + (s > symbol ? static_cast<int>(kProbabilityOne) - 16 : 0));
-    }
-  }
-  return targets;
-}();
 
 class AveragedModel {
  public:
@@ -60,17 +38,17 @@ class AveragedModel {
 
   void put(EntropyWriter& writer, const Context& context, std::uint32_t symbol) {
     const Chosen chosen = choose(context);
-    const Average average(*chosen.first, *chosen.second);
-    writer.put(average.below[symbol], average.below[symbol + 1] - average.below[symbol]);
+    const AveragedTables average(*chosen.first, *chosen.second);
+    writer.put(average.below(symbol), average.below(symbol + 1) - average.below(symbol));
     update(chosen, symbol);
   }
 
   std::uint32_t get(EntropyReader& reader, const Context& context) {
     const Chosen chosen = choose(context);
-    const Average average(*chosen.first, *chosen.second);
+    const AveragedTables average(*chosen.first, *chosen.second);
     const std::uint32_t symbol = average.find(reader.peek());
-    const std::uint32_t start = average.below[symbol];
-    reader.advance(start, average.below[symbol + 1] - start);
+    const std::uint32_t start = average.below(symbol);
+    reader.advance(start, average.below(symbol + 1) - start);
     update(chosen, symbol);
     return symbol;
   }
@@ -82,11 +60,10 @@ class AveragedModel {
   static constexpr std::int16_t kPriorAge = 13000;
   static constexpr std::int16_t kCopyAge = 4096;
   /// Updates go 2^-rate of the way; the rate by the table's age / 2^8. After about 6, 20, 80 and 250 updates it grows.
-  static constexpr std::array<std::uint8_t, 128> kRates = [] {
-    std::array<std::uint8_t, 128> rates{};
-    for (int age = 0; age < 128; ++age) {
-      rates[static_cast<std::size_t>(age)] =
-          static_cast<std::uint8_t>(3 + (age >= 70) + (age >= 104) + (age >= 124) + (age >= 127));
+  static constexpr TableRates kRates = [] {
+    TableRates rates{};
+    for (std::size_t age = 0; age < rates.size(); ++age) {
+      rates[age] = 3 + (age >= 70) + (age >= 104) + (age >= 124) + (age >= 127);
     }
     return rates;
   }();
@@ -95,27 +72,6 @@ class AveragedModel {
     CumulativeTable* parent;
     CumulativeTable* first;
     CumulativeTable* second;
-  };
-
-  /// Frequencies stay positive: two neighbouring lanes differ by at least 1 in both tables, so their sums do by 2.
-  struct Average {
-    Average(const CumulativeTable& a, const CumulativeTable& b) {
-      constexpr Lanes kAllButAge = {0, -1, -1, -1, -1, -1, -1, -1};
-      low = halfSum(a.low(), b.low()) & kAllButAge;
-      high = halfSum(a.high(), b.high());
-      std::memcpy(below, &low, sizeof low);
-      std::memcpy(below + 8, &high, sizeof high);
-      below[16] = kProbabilityOne;
-    }
-
-    std::uint32_t find(std::uint32_t slot) const {
-      return static_cast<std::uint32_t>(countNotAbove(low, high, static_cast<std::int16_t>(slot))) - 1;
-    }
-
-    static Lanes halfSum(Lanes a, Lanes b) { return (Lanes)(((UnsignedLanes)a + (UnsignedLanes)b) >> 1); }
-
-    Lanes low, high;
-    alignas(32) std::uint16_t below[17];
   };
 
   Chosen choose(const Context& context) {
@@ -133,23 +89,11 @@ class AveragedModel {
 
   std::size_t hash(std::uint32_t context) const { return (context * 0x9e3779b1u) >> hash_shift_; }
 
-  /// Moves each lane by 2^-rate of its way. Two neighbouring lanes at distance d >= 1 whose targets are at distance
-  /// e >= 1 end at distance >= d + floor((e - d) / 2^rate) >= 1, so no frequency reaches 0.
-  static void updateTable(CumulativeTable& table, Lanes low_target, Lanes high_target) {
-    const int rate = kRates[static_cast<std::size_t>(table.lanes[0] >> 8)];
-    const Lanes low = table.low();
-    const Lanes high = table.high();
-    storeLanes(table.lanes, low + shiftRight(low_target - low, rate));
-    storeLanes(table.lanes + 8, high + shiftRight(high_target - high, rate));
-  }
-
   static void update(const Chosen& chosen, std::uint32_t symbol) {
-    const Lanes low = kTableTargets[symbol].low();
-    const Lanes high = kTableTargets[symbol].high();
-    for (CumulativeTable* table : {chosen.parent, chosen.first, chosen.second}) updateTable(*table, low, high);
+    for (CumulativeTable* table : {chosen.parent, chosen.first, chosen.second}) {
+      table->update(symbol, kRates);
+    }
   }
-
-  static Lanes shiftRight(Lanes lanes, int count) { return lanes >> static_cast<std::int16_t>(count); }
 
   CumulativeTable prior_;
   int hash_shift_;  ///< the highest bits of a hash number the tables

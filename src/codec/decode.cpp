@@ -76,8 +76,8 @@ Status decodeStream(std::span<const std::byte> stream, const DecodeLimits& limit
     return s;
   }
   const std::uint32_t expected = checksumOf(stream.first(header_size), outputs);
-  if (reader.states() != finalStates(expected)) {
-    const std::uint32_t found = (reader.states()[0] - kCoderStateMin) | (reader.states()[1] - kCoderStateMin) << 16;
+  if (reader.state() != finalState(expected)) {
+    const auto found = static_cast<std::int64_t>(reader.state() ^ kCoderStateMin);
     return Error{ErrorCode::kChecksumMismatch, "checksum", stream.size(), found, expected};
   }
   return {};

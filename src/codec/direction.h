@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "entropy.h"
+#include "lanes.h"
 #include "models.h"
 
 namespace tsc {
@@ -61,6 +62,9 @@ struct Reading {
   std::size_t remaining() const { return reader.remaining(); }
 };
 
+/// So many raw bits fit a group beside three symbols.
+inline constexpr int kGroupRawBits = kGroupBits - 3 * kProbabilityBits;
+
 /// A direction whose reader is a copy of its own, for the loop that all depends on: the compiler can keep it in
 /// registers, as long as nothing but inlined code sees it. `from` and `to` move it in and out around all other code.
 template <class Direction>
@@ -71,14 +75,25 @@ struct Hot<Writing> {
   static constexpr bool kWrites = true;
   EntropyWriter& writer;
   explicit Hot(Writing& direction) : writer(direction.writer) {}
-  bool bit(BitModel& model, bool value) {
-    model.put(writer, value);
-    return value;
-  }
   void from(const Writing&) {}
   void to(Writing&) const {}
-  std::uint64_t longRaw(std::uint64_t value, int count) {
-    writer.putLongRaw(value, count);
+
+  std::uint32_t peek() const { return 0; }
+  /// A symbol by a table, whose group goes on. The table does not learn here.
+  template <class Table>
+  void symbol(const Table& table, std::uint32_t symbol) {
+    writer.putGrouped(table.below(symbol), table.below(symbol + 1) - table.below(symbol));
+  }
+  std::uint32_t raw(std::uint32_t value, int count) {
+    writer.putRawGrouped(value, count);
+    return value;
+  }
+  void endGroup() { writer.endGroup(); }
+  /// A bit that is 1 only where that is possible; its group goes on.
+  bool chance(HitModel& model, bool possible, bool value) {
+    if (!possible) return false;
+    writer.putGrouped(value ? 0 : model.one(), value ? model.one() : kProbabilityOne - model.one());
+    model.update(value);
     return value;
   }
 };
@@ -88,10 +103,26 @@ struct Hot<Reading> {
   static constexpr bool kWrites = false;
   EntropyReader reader;
   explicit Hot(Reading& direction) : reader(direction.reader) {}
-  bool bit(BitModel& model, bool) { return model.get(reader); }
   void from(const Reading& direction) { reader = direction.reader; }
   void to(Reading& direction) const { direction.reader = reader; }
-  std::uint64_t longRaw(std::uint64_t, int count) { return reader.getLongRaw(count); }
+
+  std::uint32_t peek() const { return reader.peek(); }
+  template <class Table>
+  TSC_ALWAYS_INLINE void symbol(const Table& table, std::uint32_t symbol) {
+    reader.advanceGrouped(table.below(symbol), table.below(symbol + 1) - table.below(symbol));
+  }
+  std::uint32_t raw(std::uint32_t, int count) { return static_cast<std::uint32_t>(reader.getRawGrouped(count)); }
+  void endGroup() { reader.endGroup(); }
+  TSC_ALWAYS_INLINE bool chance(HitModel& model, bool possible, bool) {
+    const std::uint32_t one = possible ? model.one() : 0;
+    const bool value = reader.peek() < one;
+    // With nothing possible this is all of the range, and advancing changes nothing.
+    reader.advanceGrouped(value ? 0 : one, value ? one : kProbabilityOne - one);
+    HitModel unchanged = model;
+    model.update(value);
+    model = possible ? model : unchanged;
+    return value;
+  }
 };
 
 }  // namespace tsc

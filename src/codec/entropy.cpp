@@ -17,48 +17,55 @@ double approximateLog2(double value) {
 
 double EntropyWriter::bitsSince(std::size_t mark) const {
   double bits = 0;
-  for (std::size_t i = mark; i < symbols_.size(); ++i) bits += kProbabilityBits - approximateLog2(symbols_[i] & 0x7fff);
+  for (std::size_t i = mark; i < symbols_.size(); ++i) {
+    const std::uint32_t field = symbols_[i] >> kFrequencyShift & kFieldMask;
+    bits += symbols_[i] & kIsRaw ? field : kProbabilityBits - approximateLog2(field);
+  }
   return bits;
 }
 
 void EntropyWriter::finish(std::uint32_t checksum, std::vector<std::byte>& bytes) const {
-  std::vector<std::uint16_t> words;  // in the order of writing, which is the reverse of the stream's
-  std::array<std::uint32_t, kCoderLanes> states = finalStates(checksum);
-  for (std::size_t i = symbols_.size(); i-- > 0;) {
-    const std::uint32_t start = symbols_[i] >> 17;
-    const std::uint32_t frequency = symbols_[i] & 0x7fff;
-    std::uint32_t& state = states[symbols_[i] >> 15 & 3];
-    // frequency < 2^15, so the bound stays below 2^32.
-    if (state >= frequency << (32 - kProbabilityBits)) {
-      words.push_back(static_cast<std::uint16_t>(state));
-      state >>= 16;
+  const std::size_t first = bytes.size();
+  std::uint64_t state = finalState(checksum);
+  for (std::size_t end = symbols_.size(); end > 0;) {
+    // What the group leaves of the state's range: product of its frequencies, and of 2^-bits.
+    std::uint64_t product = 1;
+    int bits = 0;
+    std::size_t begin = end;
+    do {
+      const std::uint32_t symbol = symbols_[--begin];
+      const std::uint32_t field = symbol >> kFrequencyShift & kFieldMask;
+      product *= symbol & kIsRaw ? 1 : field;
+      bits += symbol & kIsRaw ? static_cast<int>(field) : kProbabilityBits;
+    } while (begin > 0 && (symbols_[begin - 1] & kEndsGroup) == 0);
+    // product < 2^bits, so this stays below 2^64.
+    const std::uint64_t bound = product << (64 - bits);
+    for (; state >= bound; state >>= 8) bytes.push_back(static_cast<std::byte>(state & 0xff));
+    while (end > begin) {
+      const std::uint32_t symbol = symbols_[--end];
+      const std::uint32_t start = symbol >> kStartShift;
+      const std::uint32_t field = symbol >> kFrequencyShift & kFieldMask;
+      state = symbol & kIsRaw ? state << field | start
+                              : ((state / field) << kProbabilityBits) + state % field + start;
     }
-    state = ((state / frequency) << kProbabilityBits) + state % frequency + start;
   }
-  for (int lane = kCoderLanes; lane-- > 0;) {
-    words.push_back(static_cast<std::uint16_t>(states[lane]));
-    words.push_back(static_cast<std::uint16_t>(states[lane] >> 16));
-  }
-  std::reverse(words.begin(), words.end());
-  for (const std::uint16_t word : words) {
-    bytes.push_back(static_cast<std::byte>(word & 0xff));
-    bytes.push_back(static_cast<std::byte>(word >> 8));
-  }
+  for (int i = 0; i < 8; ++i, state >>= 8) bytes.push_back(static_cast<std::byte>(state & 0xff));
+  std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(first), bytes.end());
 }
 
 EntropyReader::EntropyReader(std::span<const std::byte> payload)
     : begin_(payload.data()), next_(begin_), end_(begin_ + payload.size()) {
-  for (std::uint32_t& state : state_) {
-    for (int half = 0; half < 2; ++half) {
-      if (end_ - next_ < 2) {
-        overrun_ = true;
-        return;
-      }
-      state = state << 16 | word();
-      next_ += 2;
-    }
-    // No writer leaves less; what it would stand for, a longer stream could stand for, too.
-    overrun_ |= state < kCoderStateMin;
+  refillAtEnd();
+  // No writer leaves less; what it would stand for, a longer stream could stand for, too.
+  if (state_ < kCoderStateMin) overrun_ = true;
+  if (overrun_) state_ = kCoderStateMin;
+}
+
+void EntropyReader::refillAtEnd() {
+  const int bytes = state_ == 0 ? 8 : std::countl_zero(state_) >> 3;
+  for (int i = 0; i < bytes; ++i) {
+    overrun_ |= next_ == end_;
+    state_ = state_ << 8 | (next_ == end_ ? 0 : static_cast<std::uint64_t>(*next_++));
   }
 }
 

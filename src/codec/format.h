@@ -12,6 +12,7 @@ inline constexpr std::uint32_t kFormatVersion = 0;  ///< section 2
 /// bits.
 inline constexpr int kMaxLatticeBits = 26;
 inline constexpr std::int32_t kCoordinateLimit = 1 << kMaxLatticeBits;
+inline constexpr int kCoordinateBits = 28;
 
 /// Tangent mode: the fine lattice has 2^6 points to a tangential step (section 6.1), so that a normal step of 1/16
 /// still has four.

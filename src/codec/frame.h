@@ -1,7 +1,7 @@
 // Local orthonormal bases in integers (paper, eq. 5 and eq. 7; BITSTREAM.md, section 6.4).
 //
-// Axes are in units of 2^-13. Every intermediate is an integer below 2^53, square root and division are followed at
-// once by floor, so that all machines find the same basis.
+// Axes are in units of 2^-12. Every intermediate is an integer; those carried in floats are at most 2^24, which floats
+// hold exactly, and what they are multiplied by to be scaled is a power of two, so that all machines find the same basis.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ using WideVec3 = glm::i64vec3;  // products of these
 inline Vec3 vectorOf(Integers v) { return {v[0], v[1], v[2]}; }
 inline Integers lanesOf(const Vec3& v) { return Integers{v.x, v.y, v.z, 0}; }
 
-inline constexpr int kFrameBits = 13;
-inline constexpr int kUnitInputBits = 14;  // a vector is scaled to this many bits before it is normalised
+inline constexpr int kFrameBits = 12;
+inline constexpr int kUnitInputBits = 11;  // a vector is scaled to this many bits before it is normalised
 
 // GLM's own products are for floating point only.
 inline std::int64_t dot(const WideVec3& a, const WideVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
@@ -44,87 +44,110 @@ inline std::int64_t floorDivide(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<double>(a) / static_cast<double>(b));
 }
 
-/// Three axes, in lanes x y z; lane 3 is 0. Components are within 16 bits.
+/// x y z, 0 and the same again.
+inline Lanes twice(Integers v) { return packed(v, v); }
+
+/// Three axes: x y z 0 in 16-bit lanes, twice. Their lengths are at most 2^kFrameBits.
 struct Frame {
-  Integers normal = {1 << kFrameBits, 0, 0, 0};  ///< x1
-  Integers first = {0, 1 << kFrameBits, 0, 0};   ///< x2
-  Integers second = {0, 0, 1 << kFrameBits, 0};  ///< x3 = x1 x x2
+  Lanes normal = twice(Integers{1 << kFrameBits, 0, 0, 0});  ///< x1
+  Lanes first = twice(Integers{0, 1 << kFrameBits, 0, 0});   ///< x2
+  Lanes second = twice(Integers{0, 0, 1 << kFrameBits, 0});  ///< x3 = x1 x x2
 };
 
-/// `v` at a length between 2^13 and 2^14 * sqrt(3): its largest component scaled by a power of two to kUnitInputBits
-/// bits. Lane 3 becomes 0.
-TSC_ALWAYS_INLINE Integers scaledForUnit(Integers v) {
-  const Integers vector = v & Integers{-1, -1, -1, 0};
-  return scaled(vector, kUnitInputBits - magnitudeBits(vector));
+/// An integer vector, lane 3 being 0, with its largest component scaled by a power of two to kUnitInputBits bits,
+/// rounded towards zero. Zero stays zero.
+TSC_ALWAYS_INLINE Floats scaledForUnit(Floats v) {
+  Floats size = magnitudes(v);
+  size = larger(size, __builtin_shufflevector(size, size, 2, 3, 0, 1));
+  size = larger(size, __builtin_shufflevector(size, size, 1, 0, 3, 2));
+  // 2^(kUnitInputBits - 1 - exponent of the size). For a vector of zeros it does not matter.
+  constexpr std::uint32_t kTop = (2u * 127 + kUnitInputBits - 1) << 23;
+  return floatsOf(truncated(v * (Floats)(kTop - ((Words)size & 0x7f800000u))));
+}
+/// Of a displacement; lane 3 is anything. Where components take more than 24 bits they are rounded to these first.
+TSC_ALWAYS_INLINE Floats scaledForUnit(Integers v) { return scaledForUnit(floatsOf(v & Integers{-1, -1, -1, 0})); }
+
+/// Of integer vectors whose lengths' product is at most 2^24.
+inline Floats crossProduct(Floats a, Floats b) {
+  const Floats zxy =
+      a * __builtin_shufflevector(b, b, 1, 2, 0, 3) - __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
+  return __builtin_shufflevector(zxy, zxy, 1, 2, 0, 3);
 }
 
-/// Of vectors within +-2^14.
-inline Integers crossProduct(Integers a, Integers b) {
-  const Integers a_yzx = __builtin_shufflevector(a, a, 1, 2, 0, 3), a_zxy = __builtin_shufflevector(a, a, 2, 0, 1, 3);
-  const Integers b_yzx = __builtin_shufflevector(b, b, 1, 2, 0, 3), b_zxy = __builtin_shufflevector(b, b, 2, 0, 1, 3);
-  return shortProducts(a_yzx, b_zxy, a_zxy, -b_yzx);
-}
-
-/// floor(2^28 / sqrt(n)) for n in the middle of [i, i + 1) * 2^19; for i below 128, of which there are none, 0.
-inline constexpr int kRootShift = 19;
-inline constexpr std::array<std::int16_t, (3 << (28 - kRootShift)) + 1> kReciprocalRoots = [] {
-  std::array<std::int16_t, (3 << (28 - kRootShift)) + 1> table{};
-  std::int64_t root = 1 << 13;
-  for (std::int64_t i = 128; i < std::ssize(table); ++i) {
-    const std::int64_t middle = (2 * i + 1) << (kRootShift - 1);
-    while ((root + 1) * (root + 1) <= middle) ++root;
-    table[static_cast<std::size_t>(i)] = static_cast<std::int16_t>((std::int64_t{1} << 28) / root);
+/// floor(2^(kFrameBits + 11) / sqrt(n)) times 2^-11, for the largest n of those that share their exponent and the first
+/// kRootBits of the fraction; n from 2^20 on.
+inline constexpr int kRootBits = 7;
+inline constexpr int kLeastSquareBits = 2 * (kUnitInputBits - 1);
+inline constexpr std::array<float, 4 << kRootBits> kReciprocalRoots = [] {
+  std::array<float, 4 << kRootBits> table{};
+  std::int64_t root = std::int64_t{1} << (kFrameBits + 1);
+  for (std::int64_t i = 0; i < std::ssize(table); ++i) {
+    const std::int64_t fraction = (1 << kRootBits) + (i & ((1 << kRootBits) - 1)) + 1;
+    const std::int64_t largest = fraction << ((i >> kRootBits) + kLeastSquareBits - kRootBits);
+    while (root * root * largest > std::int64_t{1} << (2 * kFrameBits + 22)) --root;
+    table[static_cast<std::size_t>(i)] = static_cast<float>(root) / (1 << 11);
   }
   return table;
 }();
 
-/// `v`, as `scaledForUnit` gives it and not zero, at a length of 2^13, to 2^-8 of it.
-inline Integers unitVector(Integers v) {
-  Integers square = shortProducts(v, v);
-  square += __builtin_shufflevector(square, square, 2, 3, 0, 1);
-  square += __builtin_shufflevector(square, square, 1, 0, 3, 2);  // in [2^26, 3 * 2^28]
-  return shortProducts(v, splatInteger(kReciprocalRoots[static_cast<std::size_t>(square[0] >> kRootShift)])) >> 15;
+/// `v`, as `scaledForUnit` gives it, at a length of 2^kFrameBits, less by at most 2^-7 of it; false if it is zero.
+TSC_ALWAYS_INLINE bool unitVector(Floats v, Floats& unit) {
+  const Floats squares = v * v;
+  const Floats square = squares + __builtin_shufflevector(squares, squares, 1, 2, 0, 3) +
+                        __builtin_shufflevector(squares, squares, 2, 0, 1, 3);
+  const std::int32_t root = ((Integers)square)[0] >> (23 - kRootBits);
+  constexpr std::int32_t kFirst = (127 + kLeastSquareBits) << kRootBits;
+  if (root < kFirst) [[unlikely]]
+    return false;
+  unit = floatsOf(truncated(v * (Floats{} + kReciprocalRoots[static_cast<std::size_t>(root - kFirst)])));
+  return true;
 }
 
 /// The basis at a base triangle: x1 its normal, x2 along the gate (eq. 5) or from the base vertex to the prediction
 /// (eq. 7; made orthogonal to x1). On a sliver without a normal, or where x2 vanishes: the coordinate axes.
 TSC_ALWAYS_INLINE Frame frameAt(Basis basis, Integers left, Integers right, Integers base, Integers prediction) {
-  const Integers gate = scaledForUnit(left - right);
-  const Integers across = crossProduct(gate, scaledForUnit(base - right));
-  if (isZero(across)) [[unlikely]]
-    return {};
-  const Integers normal = unitVector(scaledForUnit(across));
+  constexpr float kUnit = 1.0f / (1 << kFrameBits);
+  const Floats gate = scaledForUnit(left - right);
+  const Floats across = crossProduct(gate, scaledForUnit(base - right));
+  Floats normal, first, second;
+  if (!unitVector(scaledForUnit(across), normal)) return {};
   if (basis == Basis::kGate) {
-    const Integers first = unitVector(gate);
-    return {normal, first, crossProduct(normal, first) >> kFrameBits};
+    if (!unitVector(gate, first)) return {};
+    second = crossProduct(normal, first) * kUnit;
+  } else {
+    // The prediction may lie outside the plane of the base triangle, even above the base vertex: by way of x3, the axes
+    // are orthogonal however small its part within the plane.
+    const Floats upright = crossProduct(normal, scaledForUnit(prediction - base));
+    if (!unitVector(scaledForUnit(upright), second)) return {};
+    first = crossProduct(second, normal) * kUnit;
   }
-  // The prediction may lie outside the plane of the base triangle, even above the base vertex: by way of x3, the axes
-  // are orthogonal however small its part within the plane.
-  const Integers upright = crossProduct(normal, scaledForUnit(prediction - base));
-  if (isZero(upright)) return {};
-  const Integers second = unitVector(scaledForUnit(upright));
-  return {normal, crossProduct(second, normal) >> kFrameBits, second};
+  return {twice(truncated(normal)), twice(truncated(first)), twice(truncated(second))};
 }
 
-/// Local coordinates of a lattice displacement within +-2^30, rounded.
-inline WideVec3 toLocal(const Frame& frame, const WideVec3& displacement) {
-  const auto along = [&](Integers axis) {
-    return (axis[0] * displacement.x + axis[1] * displacement.y + axis[2] * displacement.z + (1 << (kFrameBits - 1))) >>
-           kFrameBits;
+/// Local coordinates of two lattice displacements in 16-bit lanes x y z, anything; rounded down.
+TSC_ALWAYS_INLINE std::array<Integers, 2> toLocal(const Frame& frame, Lanes two) {
+  const Integers normal = pairProducts(two, frame.normal), first = pairProducts(two, frame.first);
+  const Integers second = pairProducts(two, frame.second);
+  const Integers low = __builtin_shufflevector(normal, first, 0, 4, 1, 5);
+  const Integers high = __builtin_shufflevector(normal, first, 2, 6, 3, 7);
+  const Integers low_rest = __builtin_shufflevector(second, Integers{}, 0, 4, 1, 5);
+  const Integers high_rest = __builtin_shufflevector(second, Integers{}, 2, 6, 3, 7);
+  const auto sum = [](Integers a, Integers b) {
+    return (__builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7)) >> kFrameBits;
   };
-  return {along(frame.normal), along(frame.first), along(frame.second)};
+  return {sum(low, low_rest), sum(high, high_rest)};
 }
 
-/// The lattice displacement of local coordinates (normal, first, second), |local| < 2^30.
+/// The lattice displacement of local coordinates (normal, first, second, 0), |local| < 2^30.
 TSC_ALWAYS_INLINE Integers toLattice(const Frame& frame, Integers local) {
   constexpr std::int32_t kHalf = 1 << (kFrameBits - 1);
   if (isZero((local + (1 << 15)) >> 16)) [[likely]] {
-    const Integers along_normal = __builtin_shufflevector(local, local, 0, 0, 0, 0);
-    const Integers along_first = __builtin_shufflevector(local, local, 1, 1, 1, 1);
-    const Integers along_second = __builtin_shufflevector(local, local, 2, 2, 2, 2);
-    return (shortProducts(frame.normal, along_normal, frame.first, along_first) +
-            shortProducts(frame.second, along_second) + kHalf) >>
-           kFrameBits;
+    const Integers short_local = (Integers)packed(local, local);
+    const Lanes two = (Lanes)__builtin_shufflevector(short_local, short_local, 0, 0, 0, 0);
+    const Lanes third = (Lanes)__builtin_shufflevector(short_local, short_local, 1, 1, 1, 1);
+    const Lanes normal_and_first = __builtin_shufflevector(frame.normal, frame.first, 0, 8, 1, 9, 2, 10, 3, 11);
+    const Lanes only_second = __builtin_shufflevector(frame.second, Lanes{}, 0, 8, 1, 9, 2, 10, 3, 11);
+    return (pairProducts(normal_and_first, two) + pairProducts(only_second, third) + kHalf) >> kFrameBits;
   }
   Integers result{};
   for (int i = 0; i < 3; ++i) {

@@ -140,7 +140,7 @@ void modeFields(Io& io, Header& h) {
     bits(io, second, 3, 1, h.anchored);
     bits(io, second, 4, 1, h.has_references);
     bits(io, second, 5, 1, h.counts.one_vertex_per_position);
-    bits(io, second, 6, 1, h.positions.centred_only);
+    bits(io, second, 6, 1, h.positions.candidates);
     bits(io, second, 7, 1, reserved);
   };
   if constexpr (!Io::kReads) layout();
@@ -150,8 +150,9 @@ void modeFields(Io& io, Header& h) {
   io.byte(second);
   if constexpr (Io::kReads) layout();
   io.check(reserved == 0, ErrorCode::kReservedBits, "header reserved bits", reserved, 0);
-  io.check(!h.positions.centred_only || h.positions.effort == Effort::kDefault, ErrorCode::kReservedBits,
-           "header centred only", 1, 0);
+  io.check(!h.positions.candidates || h.positions.effort == Effort::kDefault, ErrorCode::kReservedBits,
+           "header candidates", 1, 0);
+  io.check(!h.positions.exact_hits || h.positions.candidates, ErrorCode::kReservedBits, "header exact hits", 1, 0);
   const auto predictor = static_cast<int>(h.positions.predictor);
   io.check(predictor <= static_cast<int>(Predictor::kAdaptive), ErrorCode::kReservedBits, "header predictor",
            predictor - 1, static_cast<int>(Predictor::kAdaptive) - 1);

@@ -23,6 +23,8 @@ using Lanes [[gnu::vector_size(16)]] = std::int16_t;
 using UnsignedLanes [[gnu::vector_size(16)]] = std::uint16_t;
 using Words [[gnu::vector_size(16)]] = std::uint32_t;
 
+using Halves [[gnu::vector_size(16)]] = std::int64_t;
+
 inline Lanes splat(std::int16_t value) { return Lanes{} + value; }
 
 /// Lane i is `first` + i.
@@ -56,6 +58,25 @@ inline Integers smaller(Integers a, Integers b) {
 inline Integers bounded(Integers v, std::int32_t limit) {
   const Integers bound = splatInteger(limit);
   return -smaller(-smaller(v, bound), bound);
+}
+
+inline Floats floatsOf(Integers v) { return __builtin_convertvector(v, Floats); }
+/// Rounded towards zero; within 32 bits.
+inline Integers truncated(Floats v) { return __builtin_convertvector(v, Integers); }
+inline Floats magnitudes(Floats v) { return (Floats)((Integers)v & 0x7fffffff); }
+inline Floats smaller(Floats a, Floats b) {
+#if defined(__SSE2__)
+  return (Floats)_mm_min_ps((__m128)a, (__m128)b);
+#else
+  return a < b ? a : b;
+#endif
+}
+inline Floats larger(Floats a, Floats b) {
+#if defined(__SSE2__)
+  return (Floats)_mm_max_ps((__m128)a, (__m128)b);
+#else
+  return a > b ? a : b;
+#endif
 }
 
 /// The sums of the lanes of each.
@@ -200,6 +221,20 @@ inline int magnitudeBits(Integers v) {
   return std::bit_width(static_cast<std::uint32_t>(v[0]));
 }
 
+/// Bit 2 a is set where lane a of `values` equals lane a or a + 4 of `others`; a = 0..2.
+inline std::uint32_t pairsOfEqual(Lanes values, Lanes others) {
+#if defined(__SSE2__)
+  const auto equal = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_cmpeq_epi16((__m128i)values, (__m128i)others)));
+  return (equal | equal >> 8) & 0x15;
+#else
+  std::uint32_t bits = 0;
+  for (int a = 0; a < 3; ++a) {
+    if (values[a] == others[a] || values[a] == others[a + 4]) bits |= 1u << (2 * a);
+  }
+  return bits;
+#endif
+}
+
 /// Whether all lanes are 0.
 inline bool isZero(Integers v) {
 #if defined(__SSE2__)
@@ -294,17 +329,19 @@ inline Doubles loadDoubles(const double* from) {
 
 inline void storeDoubles(double* to, Doubles doubles) { std::memcpy(to, &doubles, sizeof doubles); }
 
-/// How many of 16 ascending lanes are at most `value`.
-inline int countNotAbove(Lanes low, Lanes high, std::int16_t value) {
+/// Of 16 lanes, ascending from lane 1 on, the first one after lane 0 that is above `value`; 16 if there is none.
+inline std::uint32_t firstAbove(Lanes low, Lanes high, std::int16_t value) {
   const Lanes bound = splat(value);
 #if defined(__SSE2__)
   const __m128i above = _mm_packs_epi16((__m128i)greater(low, bound), (__m128i)greater(high, bound));
-  return std::countr_zero(static_cast<unsigned>(_mm_movemask_epi8(above)) | 0x10000u);
+  return static_cast<std::uint32_t>(
+      std::countr_zero((static_cast<unsigned>(_mm_movemask_epi8(above)) | 0x10000u) & ~1u));
 #else
+  low[0] = value;
   const Lanes above = greater(low, bound) + greater(high, bound);
-  int count = 16;
-  for (int i = 0; i < 8; ++i) count += above[i];
-  return count;
+  int first = 16;
+  for (int i = 0; i < 8; ++i) first += above[i];
+  return static_cast<std::uint32_t>(first);
 #endif
 }
 

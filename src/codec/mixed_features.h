@@ -25,12 +25,11 @@ class ToLocal {
   /// `tangent`: whether the frame is another than the coordinate axes.
   ToLocal(const Frame& frame, bool tangent) : tangent_(tangent) {
     if (!tangent) return;
-    const Integers axes[3] = {frame.normal, frame.first, frame.second};
+    const Lanes axes[3] = {frame.normal, frame.first, frame.second};
     for (std::size_t a = 0; a < 3; ++a) {
-      const Integers axis = axes[a] & 0xffff;
-      x_and_y_[a] = __builtin_shufflevector(axis, axis, 0, 0, 0, 0) | __builtin_shufflevector(axis, axis, 1, 1, 1, 1)
-                                                                          << 16;
-      z_[a] = __builtin_shufflevector(axis, axis, 2, 2, 2, 2);
+      const Integers axis = (Integers)axes[a];
+      x_and_y_[a] = __builtin_shufflevector(axis, axis, 0, 0, 0, 0);
+      z_[a] = __builtin_shufflevector(axis, axis, 1, 1, 1, 1);
     }
   }
 

@@ -100,6 +100,20 @@ class BitModel {
   std::uint8_t count_ = 0;
 };
 
+/// Adaptive probability of a bit that is cheap to learn.
+class HitModel {
+ public:
+  std::uint32_t one() const { return probability_; }
+  /// The probability stays within [31, 2^15 - 31]: a step of 2^-5 vanishes below a distance of 32 from either end.
+  void update(bool bit) {
+    const int target = bit ? static_cast<int>(kProbabilityOne) - 31 : 31;
+    probability_ = static_cast<std::uint16_t>(probability_ + ((target - probability_) >> 5));
+  }
+
+ private:
+  std::uint16_t probability_ = kProbabilityOne / 2;  ///< of bit 1
+};
+
 /// Adaptive unsigned integer below 2^30: its bit length by model, its bits below the leading one raw but for the first.
 class IntegerModel {
  public:

@@ -15,17 +15,17 @@
 namespace tsc {
 namespace {
 
-/// What a vertex is predicted from.
+/// What a vertex is predicted from. All of it is set before it is read.
 struct Prediction {
-  int count_class = 0;                            ///< complete parallelograms, up to kCountClasses, less one
-  std::array<const VertexState*, 6> around{};     ///< left, right and base of the first two parallelograms
+  int count_class;                              ///< complete parallelograms, up to kCountClasses, less one
+  std::array<const VertexState*, 6> around;     ///< left, right and base of the first two parallelograms
   std::array<Integers, kMaxStencils> candidates;  ///< parallelograms
-  Integers mean;                                  ///< their average
-  Integers point;                                 ///< the chosen predictor's, before the adaptive offset
-  Integers magnitude;                             ///< sum over six neighbours
+  Integers mean;                                ///< their average
+  Integers point;                               ///< the chosen predictor's, before the adaptive offset
   Frame frame;
-  LocalSurrounding surrounding;
-  Integers offset{};  ///< adaptive offset, local
+  Integers offset;                              ///< adaptive offset, local
+
+  Prediction() {}  // NOLINT: nothing is cleared that is set anyway
 
   // The gate is the first parallelogram's.
   const VertexState* left() const { return around[0]; }
@@ -33,19 +33,23 @@ struct Prediction {
   const VertexState* base() const { return around[2]; }
 };
 
-Integers clampedToLattice(Integers v) { return bounded(v, kCoordinateLimit); }
+/// Coordinates count modulo 2^kCoordinateBits: no valid stream goes that far, and no other leads to an overflow.
+Integers wrapped(Integers v) {
+  constexpr int kRest = 32 - kCoordinateBits;
+  return v << kRest >> kRest;
+}
 Vec3 clampedToLattice(const Vec3& v) { return glm::clamp(v, Vec3(-kCoordinateLimit), Vec3(kCoordinateLimit)); }
 
 /// Of each component, on the fine lattice.
-std::array<std::int32_t, 3> stepsOf(const PositionParameters& p) {
+Integers stepsOf(const PositionParameters& p) {
   const std::int32_t fine = 1 << p.fine_bits;
   const bool finer = p.mode == Mode::kTangent;
-  return {finer ? std::max(fine / static_cast<std::int32_t>(p.normal_scale), 1) : fine, fine, fine};
+  return Integers{finer ? std::max(fine / static_cast<std::int32_t>(p.normal_scale), 1) : fine, fine, fine, 1};
 }
 
 /// floor(log2) of each step.
-std::array<int, 3> bitsOf(const std::array<std::int32_t, 3>& steps) {
-  const auto bits = [&](std::size_t a) {
+std::array<int, 3> bitsOf(Integers steps) {
+  const auto bits = [&](int a) {
     return static_cast<int>(std::bit_width(static_cast<unsigned>(steps[a]))) - 1;
   };
   return {bits(0), bits(1), bits(2)};
@@ -62,38 +66,22 @@ class PositionCoder {
         parameters_(parameters),
         tangent_(parameters.mode == Mode::kTangent),
         adaptive_(parameters.predictor == Predictor::kAdaptive),
-        exact_hits_(parameters.exact_hits),
         order_(order),
         states_(std::move(states)),
         step_(stepsOf(parameters)),
-        residuals_(direction, parameters.exact_hits, parameters.centred_only, bitsOf(step_)) {
+        residuals_(direction, parameters.exact_hits, bitsOf(step_)) {
     const std::array<int, 3> bits = bitsOf(step_);
     step_bits_ = Integers{bits[0], bits[1], bits[2], 0};
     if (parameters.effort == Effort::kMax) {
       mixed_ = std::make_unique<MixedResiduals<Direction>>(
-          direction, ResidualSteps(step_, parameters.fine_bits, !tangent_), adaptive_);
+          direction, ResidualSteps({step_[0], step_[1], step_[2]}, parameters.fine_bits, !tangent_), adaptive_);
     }
   }
 
   /// Returns the sum of squared errors when writing.
   double run(std::span<const glm::dvec3> target) {
-    double squared_error = 0;
-    const double cells = 1 << parameters_.fine_bits;
-    Hot<Direction> coder(direction_);
-    for (std::uint32_t time = 0; time < states_.size(); ++time) {
-      if (time % kOverrunInterval == 0) {
-        coder.to(direction_);
-        if (direction_.overrun()) break;
-      }
-      const glm::dvec3 wanted = Direction::kWrites ? target[positionAt(time)] * cells : glm::dvec3(0);
-      codeVertex(coder, time, wanted);
-      if constexpr (Direction::kWrites) {
-        const glm::dvec3 error = wanted - glm::dvec3(vectorOf(states_[time].point));
-        squared_error += glm::dot(error, error);
-      }
-    }
-    coder.to(direction_);
-    return squared_error;
+    if (parameters_.candidates) return tangent_ ? runAs<true, true>(target) : runAs<false, true>(target);
+    return tangent_ ? runAs<true, false>(target) : runAs<false, false>(target);
   }
 
   /// What the decoder has, by position number.
@@ -112,6 +100,30 @@ class PositionCoder {
 
   std::uint32_t positionAt(std::uint32_t time) const { return order_.position.empty() ? time : order_.position[time]; }
 
+  /// One loop for each of the choices that decide what a vertex takes.
+  template <bool kTangent, bool kCandidates>
+  double runAs(std::span<const glm::dvec3> target) {
+    double squared_error = 0;
+    const double cells = 1 << parameters_.fine_bits;
+    Hot<Direction> coder(direction_);
+    const auto count = static_cast<std::uint32_t>(states_.size());
+    for (std::uint32_t time = 0; time < count; ++time) {
+      if (time % kOverrunInterval == 0) {
+        coder.to(direction_);
+        if (direction_.overrun()) break;
+      }
+      const glm::dvec3 wanted = Direction::kWrites ? target[positionAt(time)] * cells : glm::dvec3(0);
+      codeVertex<kTangent, kCandidates>(coder, time, wanted);
+      if constexpr (Direction::kWrites) {
+        const glm::dvec3 error = wanted - glm::dvec3(vectorOf(states_[time].point));
+        squared_error += glm::dot(error, error);
+      }
+    }
+    coder.to(direction_);
+    return squared_error;
+  }
+
+  template <bool kTangent, bool kCandidates>
   TSC_ALWAYS_INLINE void codeVertex(Hot<Direction>& coder, std::uint32_t time, const glm::dvec3& target) {
     VertexState& state = states_[time];
     const Stencils stencils = stencilsOf(state);
@@ -123,11 +135,22 @@ class PositionCoder {
         codeMixed(time, target);
       }
       coder.from(direction_);
-    } else {
-      Prediction p;
-      predict(time, stencils, p);
-      codeResiduals(coder, state, stencils.valence, time, p, target);
+      return;
     }
+    Prediction p;
+    std::array<Parallelogram, kMaxStencils> parallelograms;
+    for (std::size_t j = 0; j < kMaxStencils; ++j) {
+      parallelograms[j] = parallelogramAt(surface_, order_.corner_time, stencils.corner[j]);
+    }
+    gather(parallelograms, stencils.count, p);
+    place<kTangent>(time, stencils.corner[0], stencils.valence, p);
+    p.offset = Integers{};
+    if (adaptive_) {
+      const int left = p.left()->valence(), right = p.right()->valence(), base = p.base()->valence();
+      features_ = Features(p.frame, surroundingOf(p), stencils.valence - 6, left - right, left + right - base - 6);
+      p.offset = offsets_[p.count_class].offset(features_) << parameters_.vector_shift;
+    }
+    codeResiduals<kTangent, kCandidates>(coder, state, stencils.valence, time, p, target);
   }
 
   /// A vertex without a complete parallelogram, the first triangle of a component above all: exact to the fine lattice.
@@ -159,15 +182,19 @@ class PositionCoder {
       parallelograms[j] = {s.left, s.right, s.base};
     }
     gather(parallelograms, arc.count, p);
-    place(time, arc.list[0].corner, stencils.valence, p);
+    if (tangent_) {
+      place<true>(time, arc.list[0].corner, stencils.valence, p);
+    } else {
+      place<false>(time, arc.list[0].corner, stencils.valence, p);
+    }
     const ToLocal local(p.frame, tangent_);
     const MixedFeatures features =
         mixedFeatures({surface_, order_.corner_time, states_, time}, arc, stencils.valence, local, tangent_);
     p.offset = mixed_->offset(features, arc.count, stencils.valence);
     std::array<std::int32_t, 3> residual{};
     if constexpr (Direction::kWrites) residual = wantedResidual(p, target);
-    const std::uint32_t hits = mixed_->code(mixedVertexOf(p, arc.count, stencils.valence, local), residual);
-    remember(states_[time], stencils.valence, p, residual, hits);
+    mixed_->code(mixedVertexOf(p, arc.count, stencils.valence, local), residual);
+    remember(states_[time], stencils.valence, p, residual, Lanes{});
   }
 
   MixedVertex mixedVertexOf(const Prediction& p, int count, std::int32_t valence, const ToLocal& local) const {
@@ -185,21 +212,6 @@ class PositionCoder {
     return m;
   }
 
-  TSC_ALWAYS_INLINE void predict(std::uint32_t time, const Stencils& stencils, Prediction& p) {
-    std::array<Parallelogram, kMaxStencils> parallelograms;
-    for (std::size_t j = 0; j < kMaxStencils; ++j) {
-      parallelograms[j] = parallelogramAt(surface_, order_.corner_time, stencils.corner[j]);
-    }
-    gather(parallelograms, stencils.count, p);
-    place(time, stencils.corner[0], stencils.valence, p);
-    if (tangent_ || adaptive_) p.surrounding = toLocal(p.frame, tangent_, surroundingOf(p));
-    if (adaptive_) {
-      const int left = p.left()->valence(), right = p.right()->valence(), base = p.base()->valence();
-      features_ = Features(p.surrounding, stencils.valence - 6, left - right, left + right - base - 6);
-      p.offset = offsets_[p.count_class].offset(features_);
-    }
-  }
-
   /// What is known around the vertex; beyond `count`, `parallelograms` repeats the first.
   TSC_ALWAYS_INLINE void gather(const std::array<Parallelogram, kMaxStencils>& parallelograms, int count,
                                 Prediction& p) const {
@@ -215,13 +227,11 @@ class PositionCoder {
       p.around[3 * j + 1] = right;
       p.around[3 * j + 2] = base;
     }
-    UnsignedLanes memory{};  // the lanes of magnitudes stay within 15 bits, the others wrap
-    for (const VertexState* state : p.around) memory += (UnsignedLanes)loadLanes(state->memory.data());
-    p.magnitude = widenedHigh((Lanes)memory);
-    p.mean = average(p.candidates[0], p.candidates[1] + p.candidates[2] - p.candidates[0] - p.candidates[0], count);
+    p.mean = average(p.candidates, count);
   }
 
   /// The predicted point and the frame there.
+  template <bool kTangent>
   TSC_ALWAYS_INLINE void place(std::uint32_t time, std::uint32_t corner, std::int32_t valence, Prediction& p) const {
     p.point = p.mean;
     if (parameters_.predictor < Predictor::kAverage) [[unlikely]] {
@@ -229,9 +239,8 @@ class PositionCoder {
                     ? p.candidates[0]
                     : weightedPoint(time, corner, valence, parameters_.predictor == Predictor::kWeighted);
     }
-    if (tangent_) {
-      p.frame = frameAt(parameters_.basis, p.left()->point, p.right()->point, p.base()->point, p.point);
-    }
+    p.frame = kTangent ? frameAt(parameters_.basis, p.left()->point, p.right()->point, p.base()->point, p.point)
+                       : Frame{};
   }
 
   /// Of the predictors that are not made of candidates' means.
@@ -243,137 +252,133 @@ class PositionCoder {
         expectedAngles({surface_, order_.corner_time, states_}, time, corner, valence, use_known_angles))));
   }
 
-  TSC_ALWAYS_INLINE static Surrounding surroundingOf(const Prediction& p) {
+  TSC_ALWAYS_INLINE Surrounding surroundingOf(const Prediction& p) const {
     const Integers left = p.left()->point, right = p.right()->point, base = p.base()->point;
-    Surrounding s;
-    s.left_surprise = p.left()->surprise();
-    s.right_surprise = p.right()->surprise();
-    s.base_surprise = p.base()->surprise();
-    s.first = p.candidates[0] - p.point;
-    s.second = p.candidates[1] - p.point;
-    s.height = ((left - base) + (right - base)) >> 1;
-    s.gate = left - right;
-    return s;
+    const int shift = parameters_.vector_shift;
+    const auto surprises = [](const VertexState* a, Lanes b) {
+      return (Lanes)__builtin_shufflevector((Halves)loadLanes(a->memory.data()), (Halves)b, 0, 2);
+    };
+    const Integers first = (p.candidates[0] - p.point) >> shift;
+    const Integers height = ((left - base) + (right - base)) >> (shift + 1);
+    const Integers gate = (left - right) >> shift;
+    return {surprises(p.left(), loadLanes(p.right()->memory.data())), surprises(p.base(), packed(first, first)),
+            packed(height, gate)};
   }
 
-  /// The first candidates' displacements from the predicted point, local.
-  TSC_ALWAYS_INLINE std::array<Integers, kCandidates> candidatesOf(const Prediction& p) const {
-    if (!tangent_) return {p.candidates[0] - p.point, p.candidates[1] - p.point};
-    return p.surrounding.candidates();
+  /// Sums over the neighbours' residuals.
+  TSC_ALWAYS_INLINE static Integers magnitudeOf(const Prediction& p) {
+    UnsignedLanes memory{};  // the lanes of magnitudes stay within 15 bits, the others wrap
+    for (const VertexState* state : p.around) memory += (UnsignedLanes)loadLanes(state->memory.data());
+    return widenedHigh((Lanes)memory);
   }
 
-  TSC_ALWAYS_INLINE Neighbourhood neighbourhoodOf(const Prediction& p,
-                                                  const std::array<Integers, kCandidates>& local) const {
+  /// The residuals at which the first candidates lie: in steps and rounded, in 16 bits, the second's in the upper half.
+  template <bool kTangent>
+  TSC_ALWAYS_INLINE Lanes candidatesOf(const Prediction& p) const {
+    const Integers first = p.candidates[0] - p.point, second = p.candidates[1] - p.point;
+    if (!kTangent) return packed(first - p.offset, second - p.offset);
+    const auto [local_first, local_second] = toLocal(p.frame, packed(first, second));
+    const Integers half = step_ >> 1;
+    return packed((local_first - p.offset + half) >> step_bits_, (local_second - p.offset + half) >> step_bits_);
+  }
+
+  template <bool kTangent>
+  TSC_ALWAYS_INLINE Neighbourhood neighbourhoodOf(const Prediction& p) const {
     Neighbourhood around;
-    around.magnitude = p.magnitude;
+    around.magnitude = magnitudeOf(p);
     around.count_class = p.count_class;
-    const Integers gate = magnitudes(p.left()->point - p.right()->point) >> 2;
-    const Integers extents = splatInteger(gate[0] + gate[1] + gate[2]);
-    const Integers spread = p.count_class == 0 ? extents : magnitudes(local[0]) + magnitudes(local[1]);
-    const int shift = kFineBits - parameters_.fine_bits;
-    around.spread = smaller(spread, splatInteger(kMaxSpread >> (kFineBits + 2))) << shift;
+    // How far the first two candidates lie apart; of one alone, a part of the gate.
+    constexpr std::array<Integers, kCountClasses> kAlone = {Integers{-1, -1, -1, 0}};
+    const Integers alone = kAlone[static_cast<std::size_t>(p.count_class)];
+    const Integers apart = (p.candidates[0] - p.candidates[1]) + (((p.left()->point - p.right()->point) >> 1) & alone);
+    const float bound = kMaxSpread >> (kFineBits + 1), scale = 1 << (kFineBits - parameters_.fine_bits);
+    const Integers spread = truncated(smaller(magnitudes(floatsOf(apart)), Floats{} + bound) * scale);
+    around.spread = spread;
+    if (kTangent) {
+      around.spread = (spread + __builtin_shufflevector(spread, spread, 1, 2, 0, 3) +
+                       __builtin_shufflevector(spread, spread, 2, 0, 1, 3)) >> 1;
+    }
     return around;
   }
 
+  template <bool kTangent, bool kCandidates>
   TSC_ALWAYS_INLINE void codeResiduals(Hot<Direction>& coder, VertexState& state, std::int32_t valence,
                                        std::uint32_t time, const Prediction& p, const glm::dvec3& target) {
     std::array<std::int32_t, 3> wanted{};
     if constexpr (Direction::kWrites) wanted = wantedResidual(p, target);
-    std::array<Integers, kCandidates> candidates = candidatesOf(p);
-    const ResidualContexts contexts = residualContexts(neighbourhoodOf(p, candidates));
+    const ResidualContexts contexts = residualContexts(neighbourhoodOf<kTangent>(p));
     std::array<std::int32_t, 3> residual;
-    std::uint32_t hits = 0;
-    const bool eager = time < kEagerUntil;
-    const std::uint32_t learning = eager ? 7 : 1u << time % 4;
-    if (exact_hits_ || (p.count_class > 0 && residuals_.usesCandidates())) {
-      codeComponents<true>(coder, p, contexts, candidates, learning, wanted, hits, residual);
+    std::uint32_t whole = 0;  // components that are known to the last step, a bit each
+    Lanes candidates{};
+    if constexpr (kCandidates) {
+      candidates = candidatesOf<kTangent>(p);
+      alignas(16) std::array<std::int16_t, 8> candidate;
+      storeLanes(candidate.data(), candidates);
+      const std::uint32_t hits_around = p.left()->hits() + p.right()->hits();
+      const auto context = [&](std::size_t a) {
+        return CandidateContext{{candidate[a], candidate[a + 4]}, p.count_class, hits_around >> (2 * a) & 3};
+      };
+      const auto& c = contexts;
+      typename ResidualCoder<Direction>::Progress progress;
+      residual[0] = residuals_.template code<0>(coder, c.table(0), c.shift(0), context(0), progress, wanted[0]);
+      residual[1] = residuals_.template code<1>(coder, c.table(1), c.shift(1), context(1), progress, wanted[1]);
+      residual[2] = residuals_.template code<2>(coder, c.table(2), c.shift(2), context(2), progress, wanted[2]);
+      whole = progress.hits;
     } else {
-      codeComponents<false>(coder, p, contexts, candidates, learning, wanted, hits, residual);
+      residual[0] = residuals_.template code<0>(coder, contexts.table(0), contexts.shift(0), wanted[0]);
+      residual[1] = residuals_.template code<1>(coder, contexts.table(1), contexts.shift(1), wanted[1]);
+      residual[2] = residuals_.template code<2>(coder, contexts.table(2), contexts.shift(2), wanted[2]);
     }
-    codeLowBits(coder, contexts, hits, wanted, residual);
-    remember(state, valence, p, residual, hits);
-    if (adaptive_ && (eager || time % 2 == 1)) {
+    codeLowBits(coder, contexts, whole, wanted, residual);
+    remember(state, valence, p, residual, candidates);
+    if (adaptive_ && (time < kEagerUntil || time % 2 == 1)) {
       offsets_[p.count_class].learn(features_, Integers{residual[0], residual[1], residual[2], 0});
     }
   }
 
-  /// `candidates`: their displacements from the predicted point, local. `learning`: bits of the components whose
-  /// candidates learn from this vertex.
-  template <bool kWithCandidates>
-  TSC_ALWAYS_INLINE void codeComponents(Hot<Direction>& coder, const Prediction& p, const ResidualContexts& contexts,
-                                        std::array<Integers, kCandidates> candidates, std::uint32_t learning,
-                                        const std::array<std::int32_t, 3>& wanted, std::uint32_t& hits,
-                                        std::array<std::int32_t, 3>& residual) {
-    std::array<Integers, kCandidates> offsets;
-    if constexpr (kWithCandidates) {
-      for (std::size_t j = 0; j < kCandidates; ++j) {
-        candidates[j] -= p.offset;
-        offsets[j] = scaledDown(candidates[j], contexts.shifts + step_bits_, kMaxOffset);
-      }
-    }
-    const auto component = [&](int a) {
-      Component c;
-      c.scale = contexts.scale(a);
-      c.shift = contexts.shift(a);
-      c.ratio = contexts.ratio(a);
-      if constexpr (kWithCandidates) {
-        c.count_class = p.count_class;
-        c.first_offset = offsets[0][a];
-        c.second_offset = offsets[1][a];
-        c.candidates_learn = (learning >> a & 1) != 0;
-        if (exact_hits_) {
-          const std::int32_t half_step = (1 << step_bits_[a]) >> 1;
-          c.candidates = {(candidates[0][a] + half_step) >> step_bits_[a],
-                          (candidates[1][a] + half_step) >> step_bits_[a]};
-          c.hits_around = (p.left()->hits() >> a & 1) + (p.right()->hits() >> a & 1);
-        }
-      }
-      return c;
-    };
-    residual[0] = residuals_.template code<0, kWithCandidates>(coder, component(0), hits, wanted[0]);
-    residual[1] = residuals_.template code<1, kWithCandidates>(coder, component(1), hits, wanted[1]);
-    residual[2] = residuals_.template code<2, kWithCandidates>(coder, component(2), hits, wanted[2]);
-  }
-
+  /// `candidates` as candidatesOf gives them.
   TSC_ALWAYS_INLINE void remember(VertexState& state, std::int32_t valence, const Prediction& p,
-                                  const std::array<std::int32_t, 3>& residual, std::uint32_t hits) const {
+                                  const std::array<std::int32_t, 3>& residual, Lanes candidates) const {
     const Integers steps = {residual[0], residual[1], residual[2], 0};
-    const Integers point = reconstruct(p, residual);
-    const Integers magnitude = smaller(magnitudes(steps), splatInteger(kMaxMagnitude));
-    storeLanes(state.memory.data(), packed(point - p.mean, withLast(magnitude, static_cast<std::int32_t>(hits))));
+    const Integers point = reconstruct(p, steps);
+    const Integers surprise = (point - p.mean) >> parameters_.vector_shift;
+    constexpr Lanes kMost = {32767, 32767, 32767, 0, kMaxMagnitude, kMaxMagnitude, kMaxMagnitude, 0};
+    Lanes memory = atMost(packed(surprise, magnitudes(steps)), kMost);
+    if (parameters_.candidates) memory[7] = static_cast<std::int16_t>(pairsOfEqual(packed(steps, steps), candidates));
+    storeLanes(state.memory.data(), memory);
     state.point = withLast(point, valence);
   }
 
-  /// The bits below the bins' widths of all components that are no hits, the first component's highest.
-  TSC_ALWAYS_INLINE void codeLowBits(Hot<Direction>& coder, const ResidualContexts& contexts, std::uint32_t hits,
+  /// The bits below the bins' widths of all components that are not `whole`, the first component's lowest.
+  TSC_ALWAYS_INLINE void codeLowBits(Hot<Direction>& coder, const ResidualContexts& contexts, std::uint32_t whole,
                                      const std::array<std::int32_t, 3>& wanted, std::array<std::int32_t, 3>& residual) {
-    const int third = hits & 4 ? 0 : contexts.shift(2);
-    const int second = hits & 2 ? 0 : contexts.shift(1);
-    const int first = hits & 1 ? 0 : contexts.shift(0);
-    std::uint64_t bits = 0;
-    if constexpr (Direction::kWrites) {
-      bits = static_cast<std::uint64_t>(wanted[0] - residual[0]) << (second + third) |
-             static_cast<std::uint64_t>(wanted[1] - residual[1]) << third |
-             static_cast<std::uint64_t>(wanted[2] - residual[2]);
-    }
-    bits = coder.longRaw(bits, first + second + third);
-    residual[0] += static_cast<std::int32_t>(bits >> (second + third));
-    residual[1] += static_cast<std::int32_t>(bits >> third & ((1u << second) - 1));
-    residual[2] += static_cast<std::int32_t>(bits & ((1u << third) - 1));
+    const int first = whole & 1 ? 0 : contexts.shift(0);
+    const int second = whole & 2 ? 0 : contexts.shift(1);
+    const int third = whole & 4 ? 0 : contexts.shift(2);
+    if (first + second + third > kGroupRawBits) [[unlikely]] coder.endGroup();
+    const auto code = [&](std::size_t a, int count) {
+      residual[a] += static_cast<std::int32_t>(coder.raw(static_cast<std::uint32_t>(wanted[a] - residual[a]), count));
+    };
+    code(0, first);
+    code(1, second);
+    code(2, third);
+    coder.endGroup();
   }
 
-  TSC_ALWAYS_INLINE Integers reconstruct(const Prediction& p, const std::array<std::int32_t, 3>& residual) const {
-    const Integers local =
-        p.offset + Integers{residual[0] * step_[0], residual[1] * step_[1], residual[2] * step_[2], 0};
-    return clampedToLattice(p.point + (tangent_ ? toLattice(p.frame, local) : local));
+  TSC_ALWAYS_INLINE Integers reconstruct(const Prediction& p, Integers residual) const {
+    if (!tangent_) return wrapped(p.point + p.offset + residual);
+    Integers displacement = residual << parameters_.fine_bits;
+    if (parameters_.normal_scale > 1) displacement[0] = residual[0] * step_[0];
+    return wrapped(p.point + toLattice(p.frame, p.offset + displacement));
   }
+
+  static glm::dvec3 axisOf(Lanes axis) { return {axis[0], axis[1], axis[2]}; }
 
   /// The residual whose reconstruction is nearest to the target: the frame is orthonormal only up to 2^-7, so that
   /// large residuals are corrected by what they leave over.
   Vec3 nearestResidual(const Prediction& p, const glm::dvec3& target) const {
     if (!tangent_) return Vec3(glm::floor(target + 0.5)) - vectorOf(p.point + p.offset);
-    const glm::dvec3 axes[3] = {glm::dvec3(vectorOf(p.frame.normal)), glm::dvec3(vectorOf(p.frame.first)),
-                                glm::dvec3(vectorOf(p.frame.second))};
+    const glm::dvec3 axes[3] = {axisOf(p.frame.normal), axisOf(p.frame.first), axisOf(p.frame.second)};
     const auto steps = [&](const glm::dvec3& displacement, const glm::dvec3& from) {
       Vec3 result;
       for (int a = 0; a < 3; ++a) {
@@ -385,7 +390,7 @@ class PositionCoder {
     Vec3 residual = steps(target - glm::dvec3(vectorOf(p.point)), glm::dvec3(vectorOf(p.offset)));
     for (int pass = 0; pass < 3; ++pass) {
       const Vec3 correction =
-          steps(target - glm::dvec3(vectorOf(reconstruct(p, {residual.x, residual.y, residual.z}))), glm::dvec3(0));
+          steps(target - glm::dvec3(vectorOf(reconstruct(p, lanesOf(residual)))), glm::dvec3(0));
       if (correction == Vec3(0)) break;
       residual += correction;
     }
@@ -396,15 +401,16 @@ class PositionCoder {
   /// more bits than the error is worth. A Laplace distribution of mean magnitude m saves 1.44 / m bits a step, which at
   /// high rates weigh 0.17 / m squared steps; a little less is best. Stays within the bound of rounding each component.
   Vec3 cheaperResidual(const Prediction& p, const glm::dvec3& target, Vec3 residual) const {
+    const Integers around = magnitudeOf(p);
     constexpr double kWorth = 0.055, kMostSlack = 0.15, kSquareBound = 0.7;
     if (!tangent_ || step_[0] != step_[1]) return residual;
-    const glm::dvec3 displacement = target - glm::dvec3(vectorOf(reconstruct(p, {residual.x, residual.y, residual.z})));
-    const auto along = [&](Integers axis) { return glm::dot(glm::dvec3(vectorOf(axis)), displacement); };
+    const glm::dvec3 displacement = target - glm::dvec3(vectorOf(reconstruct(p, lanesOf(residual))));
+    const auto along = [&](Lanes axis) { return glm::dot(axisOf(axis), displacement); };
     glm::dvec3 left_over = glm::dvec3(along(p.frame.normal), along(p.frame.first), along(p.frame.second)) /
                            (static_cast<double>(step_[0]) * (1 << kFrameBits));
     for (int a = 0; a < 3; ++a) {
       const int sign = (residual[a] > 0) - (residual[a] < 0);
-      const double magnitude = p.magnitude[a] / 6.0 + 0.5;
+      const double magnitude = around[a] / 6.0 + 0.5;
       if (sign == 0 || left_over[a] * sign > std::min(kWorth / magnitude, kMostSlack) - 0.5) continue;
       glm::dvec3 moved = left_over;
       moved[a] += sign;
@@ -425,16 +431,15 @@ class PositionCoder {
   const PositionParameters& parameters_;
   const bool tangent_;
   const bool adaptive_;
-  const bool exact_hits_;
   const CodingOrder& order_;
   std::vector<VertexState> states_;         ///< by time
-  const std::array<std::int32_t, 3> step_;  ///< of each component on the fine lattice
+  const Integers step_;  ///< of each component on the fine lattice
   Integers step_bits_;                      ///< floor(log2(step))
   ResidualCoder<Direction> residuals_;
   std::unique_ptr<MixedResiduals<Direction>> mixed_;  ///< at effort max
   IntegerModel free_[3];                              ///< components of vertices without a stencil
   AdaptiveOffset offsets_[kCountClasses];
-  Features features_{{}, 0, 0, 0};
+  Features features_{Frame{}, Surrounding{}, 0, 0, 0};
 };
 
 }  // namespace

@@ -15,10 +15,11 @@ namespace tsc {
 inline Integers parallelogram(Integers left, Integers right, Integers base) { return left + right - base; }
 
 /// Mean of `count` candidates, 1..kMaxStencils, rounded; of three, the first counts as much as the others together.
-/// `spread` is the sum of the differences of the others from the first.
-inline Integers average(Integers first, Integers spread, int count) {
-  const int shift = count - 1;
-  return first + ((spread + ((1 << shift) >> 1)) >> shift);
+/// Beyond `count`, candidates are the first again.
+TSC_ALWAYS_INLINE Integers average(const std::array<Integers, kMaxStencils>& candidates, int count) {
+  constexpr std::array<Integers, kMaxStencils + 1> kRound = {Integers{}, Integers{}, Integers{1, 1, 1, 1}, Integers{2, 2, 2, 2}};
+  const Integers spread = (candidates[1] - candidates[0]) + (candidates[2] - candidates[0]);
+  return candidates[0] + ((spread + kRound[static_cast<std::size_t>(count)]) >> (count - 1));
 }
 
 // --- Weighted parallelogram (paper, eq. 2-4) ---

@@ -24,8 +24,8 @@ struct alignas(32) VertexState {
   Integers surprise() const { return widened(memory.data()); }
   /// Of its residual per component, saturated.
   Integers magnitude() const { return widened(memory.data() + 4); }
-  /// Components that were exactly a candidate's, a bit each.
-  std::int32_t hits() const { return memory[7]; }
+  /// Bit 2 a is set where component a was exactly a candidate's.
+  std::uint32_t hits() const { return static_cast<std::uint16_t>(memory[7]); }
 };
 
 /// A complete parallelogram by its face: the face's corner at the vertex itself is number `corner` & 3 of face
