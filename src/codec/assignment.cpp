@@ -142,7 +142,7 @@ Status findRealFaces(AssignmentState<Direction>& state) {
   state.face_primitive.resize(face_count);
   for (std::uint32_t f = 0; f < face_count; ++f) {
     const std::uint32_t* corner = &surface.corner_vertex[3 * std::size_t{f}];
-    const bool dummy = (surface.is_dummy[corner[0]] | surface.is_dummy[corner[1]] | surface.is_dummy[corner[2]]) != 0;
+    const bool dummy = surface.isDummy(std::max({corner[0], corner[1], corner[2]}));
     state.face_primitive[f] = dummy ? kNone : 0;
     state.real_face_count += !dummy;
   }
@@ -205,8 +205,7 @@ Status emitFacesDirectly(AssignmentState<Direction>& state) {
   auto& corner_vertex = state.surface.corner_vertex;
   const std::uint32_t face_count = state.surface.faceCount(), room = state.counts.primitive_face_count[0];
   std::vector<std::uint32_t>& indices = state.out.primitive_indices[0];
-  if (state.map.position_count == state.surface.vertexCount()) {
-    // No dummies, no references: vertices and positions have the same numbers.
+  if (state.map.isIdentity() && state.surface.dummy_count == 0) {
     if (face_count > room) return tooManyFaces(state, room, face_count);
     state.real_face_count = face_count;
     if constexpr (!Direction::kWrites) {
@@ -223,7 +222,7 @@ Status emitFacesDirectly(AssignmentState<Direction>& state) {
     for (std::size_t c = 0; c < corner_vertex.size(); c += 3) {
       for (std::size_t k = 0; k < 3; ++k) to[k] = state.map.positionOf(corner_vertex[c + k]);
       // Faces with dummies are overwritten by the next.
-      if (std::max({to[0], to[1], to[2]}) != kNone) to += 3;
+      if (std::max({to[0], to[1], to[2]}) < state.map.position_count) to += 3;
     }
     indices.resize(static_cast<std::size_t>(to - indices.data()));
     state.real_face_count = static_cast<std::uint32_t>(indices.size() / 3);

@@ -22,11 +22,10 @@ struct ConnectivityOrder {
 /// umbrella, each face with three different vertices, at most one of them a dummy, as `cutToManifold` gives it.
 ConnectivityOrder encodeConnectivity(const Surface& surface, Effort effort, EntropyWriter& writer, Surface& decoded);
 
-/// Decodes a surface of exactly `face_count` faces (dummy ones included) and `vertex_count` vertices (dummies
-/// included), the counts of the header. Linear time; memory for 2^18 faces, of which only what is used is touched, then
+/// Decodes a surface of exactly these counts, those of the header. Linear time; memory for 2^18 faces, of which only what is used is touched, then
 /// at most twice what the stream has given so far, whatever the header says.
 /// Errors: kTruncated, kInvalidSymbol, kInvalidCount.
-[[nodiscard]] Status decodeConnectivity(EntropyReader& reader, Effort effort, std::uint32_t face_count,
-                                        std::uint32_t vertex_count, Surface& surface);
+[[nodiscard]] Status decodeConnectivity(EntropyReader& reader, Effort effort, const SurfaceCounts& counts,
+                                        Surface& surface);
 
 }  // namespace tsc

@@ -15,10 +15,7 @@ namespace {
 Status decodePayload(const Header& header, EntropyReader& reader, Assignment& assignment,
                      std::vector<Vec3>& positions) {
   Surface surface;
-  if (Status s = decodeConnectivity(reader, header.positions.effort, header.surface_face_count,
-                                    header.surface_vertex_count, surface)) {
-    return s;
-  }
+  if (Status s = decodeConnectivity(reader, header.positions.effort, header.surface, surface)) return s;
   PositionMap map;
   if (Status s = decodeReferences(surface, header.has_references, reader, map)) return s;
   const bool edges_end_here = header.counts.one_vertex_per_position && header.counts.primitive_face_count.size() == 1;

@@ -20,8 +20,7 @@ struct Header {
   float step = 1;                             ///< tangential step; 1 for integer positions, not stored
   std::array<float, 3> origin{};              ///< float positions that are not anchored
   std::array<std::int64_t, 3> anchor{};       ///< otherwise: the origin in steps
-  std::uint32_t surface_vertex_count = 0;     ///< dummies included
-  std::uint32_t surface_face_count = 0;       ///< dummy faces included; even
+  SurfaceCounts surface;
   Assignment::Counts counts;
   std::vector<ComponentType> index_types;     ///< per primitive
 };

@@ -1,6 +1,7 @@
 // The order in which positions are coded (BITSTREAM.md, section 6.2).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -18,7 +19,8 @@ namespace tsc {
 template <class Visit>
 void visitByDegree(const Surface& surface, Visit&& visit) {
   constexpr int kCap = 3;
-  std::vector<std::uint8_t> visited(surface.is_dummy.begin(), surface.is_dummy.end());
+  std::vector<std::uint8_t> visited(surface.vertexCount());
+  std::fill(visited.begin() + surface.real_count, visited.end(), std::uint8_t{1});
   std::vector<std::uint8_t> known(surface.vertexCount());
   std::vector<std::uint8_t> degree(surface.vertexCount());
   std::array<std::vector<std::uint32_t>, kCap + 1> queue;
@@ -51,7 +53,7 @@ void visitByDegree(const Surface& surface, Visit&& visit) {
     } while (corner != start);
   };
 
-  for (std::uint32_t seed = 0; seed < surface.vertexCount() && going; ++seed) {
+  for (std::uint32_t seed = 0; seed < surface.real_count && going; ++seed) {
     if (visited[seed]) continue;
     const std::uint32_t corner = surface.vertex_corner[seed];
     take(seed);
@@ -72,7 +74,7 @@ void visitByDegree(const Surface& surface, Visit&& visit) {
 
 /// When each position is coded.
 struct CodingOrder {
-  std::span<const std::uint32_t> corner_time;  ///< for each corner: of the position there; kNone for dummies
+  std::span<const std::uint32_t> corner_time;  ///< for each corner: of the position there; later than all for dummies
   std::vector<std::uint32_t> position;         ///< position number by time; empty where they are the same
   std::vector<std::uint32_t> storage;          ///< of `corner_time`, where vertices are not numbered by time already
 };
@@ -91,11 +93,9 @@ inline CodingOrder codingOrder(const Surface& surface, const PositionMap& map, O
       return true;
     });
     time_of_vertex.assign(surface.vertexCount(), kNone);
-    for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
-      if (!surface.is_dummy[v]) time_of_vertex[v] = time[map.positionOf(v)];
-    }
+    for (std::uint32_t v = 0; v < surface.real_count; ++v) time_of_vertex[v] = time[map.positionOf(v)];
   }
-  if (order == Order::kTraversal && map.position_count == surface.vertexCount()) {
+  if (order == Order::kTraversal && map.isIdentity()) {
     result.corner_time = surface.corner_vertex;
     return result;
   }

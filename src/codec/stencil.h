@@ -50,7 +50,7 @@ inline int count(const Integers& row) { return row[3] >> kCountShift & 3; }
 }  // namespace stencil_row
 
 /// Enters into the states which stencils each position will have. `corner_time` holds for each corner when the position
-/// at it is coded, kNone for dummies; equal times are one position. A face counts for the last of its three positions,
+/// at it is coded, later than all for dummies; equal times are one position. A face counts for the last of its three positions,
 /// if its base comes before that, too. The first kMaxStencils in the order of faces are kept.
 inline void collectStencils(const Surface& surface, std::span<const std::uint32_t> corner_time,
                             std::vector<VertexState>& states) {
@@ -63,9 +63,9 @@ inline void collectStencils(const Surface& surface, std::span<const std::uint32_
     const std::uint32_t k = is_third ? 2 : static_cast<std::uint32_t>(time[0] < time[1]);
     const std::uint32_t last = is_third ? time[2] : late;
     const std::uint32_t middle = is_third ? late : time[2] > early ? time[2] : early;
-    if (last == kNone) [[unlikely]] {
+    if (last >= states.size()) [[unlikely]] {
       for (int k = 0; k < 3; ++k) {
-        if (time[k] != kNone) ++states[time[k]].point[3];
+        if (time[k] < states.size()) ++states[time[k]].point[3];
       }
       continue;
     }

@@ -282,9 +282,8 @@ void numberUmbrellas(std::span<const std::uint32_t> input_vertex, CutMesh& cut) 
   }
   for (std::uint32_t first = 0; first < corner_count; ++first) {
     if (surface.corner_vertex[first] != kNone) continue;
-    const std::uint32_t vertex = surface.vertexCount();
+    const std::uint32_t vertex = surface.real_count++;
     surface.vertex_corner.push_back(first);
-    surface.is_dummy.push_back(0);
     cut.welded_vertex.push_back(input_vertex[first]);
     // All the way around to the left; where that ends at a boundary, from the start to the right.
     std::uint32_t corner = first;
@@ -316,10 +315,9 @@ void closeHoles(CutMesh& cut) {
   const auto real_corner_count = static_cast<std::uint32_t>(surface.corner_vertex.size());
   for (std::uint32_t first = 0; first < real_corner_count; ++first) {
     if (surface.opposite[first] != kNone) continue;
-    const std::uint32_t dummy = surface.vertexCount();
+    const std::uint32_t dummy = surface.real_count + surface.dummy_count++;
     const auto first_dummy_corner = static_cast<std::uint32_t>(surface.corner_vertex.size());
     surface.vertex_corner.push_back(first_dummy_corner);
-    surface.is_dummy.push_back(1);
     cut.welded_vertex.push_back(kNone);
 
     // A dummy face has the corners dummy, end, start of its boundary half-edge: it runs against it.

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "front.h"
 #include "gate.h"
@@ -29,14 +30,14 @@ namespace tsc {
 ///   void start(std::uint32_t (&degrees)[3])             degrees of a new component's first face
 ///   void face(std::uint32_t gate_corner)                a face is being glued to `gate_corner`
 ///   Tip tip(const Gate&, const Front&)                  its third vertex
-///   void vertex(std::uint32_t corner)                   a new vertex at a corner
+///   void vertex(std::uint32_t vertex, std::uint32_t corner)  a new vertex at a corner
 ///   void edge(std::uint32_t node, std::uint32_t corner) the node's edge is now the one that `corner` faces
 ///   bool failed()                                       asked now and then; true ends the traversal
 template <class Events>
 class Traversal {
  public:
-  Traversal(Events& events, Surface& surface, std::uint32_t face_count, std::uint32_t vertex_count)
-      : events_(events), surface_(surface), corner_count_(3 * face_count), vertex_count_(vertex_count) {}
+  Traversal(Events& events, Surface& surface, const SurfaceCounts& counts)
+      : events_(events), surface_(surface), counts_(counts), corner_count_(3 * counts.faces) {}
 
   Status run() {
     reserve();
@@ -49,18 +50,23 @@ class Traversal {
       }
     }
     if (events_.failed()) return fault(ErrorCode::kTruncated);
-    if (!error_ && (!front_.empty() || corners_ != corner_count_ || vertices_ != vertex_count_)) {
+    if (error_) return error_;
+    if (!front_.empty() || corners_ != corner_count_ || vertices_ != counts_.real_vertices ||
+        dummy_corner_.size() != counts_.dummies) {
       return fault(ErrorCode::kInvalidCount);
     }
     resize(corners_, vertices_);
-    return error_;
+    surface_.vertex_corner.insert(surface_.vertex_corner.end(), dummy_corner_.begin(), dummy_corner_.end());
+    surface_.real_count = counts_.real_vertices;
+    surface_.dummy_count = counts_.dummies;
+    return {};
   }
 
  private:
   /// Between two calls of `makeRoom`. A turn adds at most two faces, one vertex and one node.
   static constexpr std::uint32_t kTurns = 128;
 
-  Error fault(ErrorCode code) const { return {code, "connectivity", 0, vertices_, vertex_count_}; }
+  Error fault(ErrorCode code) const { return {code, "connectivity", 0, vertices_, counts_.real_vertices}; }
   bool fail(ErrorCode code) {
     error_ = fault(code);
     return false;
@@ -70,19 +76,17 @@ class Traversal {
   void reserve() {
     constexpr std::uint32_t kMost = 1 << 22;
     const std::size_t corners = 3 * (std::size_t{std::min(corner_count_ / 3, kMost)} + 2 * kTurns + 1);
-    const std::size_t vertices = std::size_t{std::min(vertex_count_, kMost)} + kTurns + 3;
+    const std::size_t vertices = std::size_t{std::min(counts_.vertices(), kMost)} + kTurns + 3;
     surface_ = {};
     surface_.corner_vertex.reserve(corners);
     surface_.opposite.reserve(corners);
     surface_.vertex_corner.reserve(vertices);
-    surface_.is_dummy.reserve(vertices);
   }
 
   void resize(std::size_t corners, std::size_t vertices) {
     surface_.corner_vertex.resize(corners);
     surface_.opposite.resize(corners);
     surface_.vertex_corner.resize(vertices);
-    surface_.is_dummy.resize(vertices);
   }
 
   /// For a component's start and so many turns. Memory follows what has been decoded, not what the header claims.
@@ -116,16 +120,21 @@ class Traversal {
   }
 
   /// The caller has checked that one more is allowed.
-  std::uint32_t addVertex(std::uint32_t corner, std::uint32_t degree_class) {
+  std::uint32_t addVertex(std::uint32_t corner) {
     surface_.vertex_corner[vertices_] = corner;
-    if (degree_class == Front::kDummyClass) [[unlikely]]
-      surface_.is_dummy[vertices_] = 1;
-    events_.vertex(corner);
+    events_.vertex(vertices_, corner);
     return vertices_++;
   }
 
+  std::uint32_t addDummy(std::uint32_t corner) {
+    const auto vertex = counts_.real_vertices + static_cast<std::uint32_t>(dummy_corner_.size());
+    dummy_corner_.push_back(corner);
+    events_.vertex(vertex, corner);
+    return vertex;
+  }
+
   bool startComponent() {
-    if (vertex_count_ - vertices_ < 3) return fail(ErrorCode::kInvalidCount);
+    if (counts_.real_vertices - vertices_ < 3) return fail(ErrorCode::kInvalidCount);
     const std::uint32_t base = corners_;
     corners_ += 3;
     std::uint32_t degrees[3];
@@ -133,7 +142,7 @@ class Traversal {
     if (std::min({degrees[0], degrees[1], degrees[2]}) < 2) return fail(ErrorCode::kInvalidSymbol);
     std::uint32_t nodes[3];
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t vertex = addVertex(base + k, 0);
+      const std::uint32_t vertex = addVertex(base + k);
       surface_.corner_vertex[base + k] = vertex;
       nodes[k] = front_.add(vertex, degreeClass(degrees[k]), degrees[k] - 2);
       front_.enterQueue(nodes[k]);
@@ -195,9 +204,11 @@ class Traversal {
       before_end = split(start, end, tip.node, tip.right_valence);
       if (before_end == Front::kNoNode) return fail(ErrorCode::kInvalidSymbol);
     } else {
-      if (vertices_ == vertex_count_) [[unlikely]]
+      const bool is_dummy = tip.degree_class == Front::kDummyClass;
+      if (is_dummy ? dummy_corner_.size() == counts_.dummies : vertices_ == counts_.real_vertices) [[unlikely]] {
         return fail(ErrorCode::kInvalidCount);
-      before_end = front_.add(addVertex(base, tip.degree_class), tip.degree_class, tip.degree - 2);
+      }
+      before_end = front_.add(is_dummy ? addDummy(base) : addVertex(base), tip.degree_class, tip.degree - 2);
       front_.link(start, before_end);
     }
     front_.link(before_end, end);
@@ -237,10 +248,11 @@ class Traversal {
   Events& events_;
   Surface& surface_;
   Front front_;
+  const SurfaceCounts counts_;
   const std::uint32_t corner_count_;
-  const std::uint32_t vertex_count_;
   std::uint32_t corners_ = 0;
-  std::uint32_t vertices_ = 0;
+  std::uint32_t vertices_ = 0;  ///< real ones
+  std::vector<std::uint32_t> dummy_corner_;  ///< for each dummy one of its corners
   Status error_;
 };
 

@@ -24,7 +24,7 @@ struct Timed {
     std::mt19937 random(seed);
     std::shuffle(time.begin(), time.end(), random);
     for (const std::uint32_t v : surface.corner_vertex) {
-      corner_time.push_back(surface.is_dummy[v] ? kNone : time[v] % count);
+      corner_time.push_back(surface.isDummy(v) ? kNone : time[v] % count);
     }
     collectStencils(surface, corner_time, states);
   }

@@ -45,13 +45,7 @@ std::vector<PositionParameters> allParameters() {
   return all;
 }
 
-PositionMap identityMap(const Surface& surface) {
-  PositionMap map;
-  for (const std::uint8_t dummy : surface.is_dummy) {
-    map.vertex_position.push_back(dummy ? kNone : map.position_count++);
-  }
-  return map;
-}
+PositionMap identityMap(const Surface& surface) { return {{}, surface.real_count}; }
 
 std::vector<glm::dvec3> inSteps(std::vector<glm::dvec3> target, const PositionParameters& parameters) {
   for (glm::dvec3& t : target) t /= 1 << parameters.fine_bits;
@@ -107,10 +101,9 @@ TEST(Positions, ComeBackWithinHalfACell) {
 
 TEST(Positions, RepeatedPositionsAreCodedOnce) {
   const Surface surface = test::grid(5, 5);
-  PositionMap map = identityMap(surface);
   // The last row repeats the first.
-  for (std::uint32_t x = 0; x < 5; ++x) map.vertex_position[20 + x] = x;
-  map.position_count = 20;
+  PositionMap map{std::vector<std::uint32_t>(surface.vertexCount(), kNone), 20};
+  for (std::uint32_t v = 0; v < surface.real_count; ++v) map.vertex_position[v] = v % 20;
   std::vector<glm::dvec3> target;
   for (int i = 0; i < 20; ++i) target.emplace_back(100.3 * (i % 5), 77.7 * (i / 5), (i * i) % 13);
   for (const PositionParameters& parameters : allParameters()) {

@@ -61,7 +61,7 @@ void expectAsSearched(const Surface& surface, const std::vector<std::uint32_t>& 
 /// Times of corners where vertices have these, dummies none.
 std::vector<std::uint32_t> cornerTimes(const Surface& surface, const std::vector<std::uint32_t>& vertex_time) {
   std::vector<std::uint32_t> time;
-  for (const std::uint32_t v : surface.corner_vertex) time.push_back(surface.is_dummy[v] ? kNone : vertex_time[v]);
+  for (const std::uint32_t v : surface.corner_vertex) time.push_back(surface.isDummy(v) ? kNone : vertex_time[v]);
   return time;
 }
 

@@ -16,8 +16,8 @@ inline Surface closedSurface(std::uint32_t vertex_count, std::uint32_t dummy_cou
                              std::vector<std::uint32_t> corner_vertex) {
   Surface surface;
   surface.vertex_corner.assign(vertex_count, kNone);
-  surface.is_dummy.assign(vertex_count, 0);
-  for (std::uint32_t v = vertex_count - dummy_count; v < vertex_count; ++v) surface.is_dummy[v] = 1;
+  surface.real_count = vertex_count - dummy_count;
+  surface.dummy_count = dummy_count;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> corner_facing;
   for (std::uint32_t c = 0; c < corner_vertex.size(); ++c) {
     if (surface.vertex_corner[corner_vertex[c]] == kNone) surface.vertex_corner[corner_vertex[c]] = c;

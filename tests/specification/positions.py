@@ -45,12 +45,12 @@ class DegreeOrder:
         self.places = []                           # position numbers in the order of decoding
         self.placed = set()
         self.met = [False] * surface.vertex_count()
-        self.taken = list(surface.is_dummy)
+        self.taken = [surface.is_dummy(v) for v in range(surface.vertex_count())]
         self.degree = [0] * surface.vertex_count()
         self.queues = [None, deque(), deque(), deque()]
 
     def run(self):
-        for v in range(self.surface.vertex_count()):
+        for v in self.surface.real_vertices():
             if self.taken[v]:
                 continue
             c = self.surface.vertex_corner[v]
