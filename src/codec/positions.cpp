@@ -55,10 +55,9 @@ template <class Direction>
 class PositionCoder {
  public:
   /// `states`: as in CodingStart, of those positions that are to be coded.
-  PositionCoder(Direction direction, const Surface& surface, const CodingOrder& order, std::vector<VertexState> states,
+  PositionCoder(Direction direction, const CodingOrder& order, std::vector<VertexState> states,
                 const PositionParameters& parameters)
       : direction_(direction),
-        surface_(surface),
         parameters_(parameters),
         tangent_(parameters.mode == Mode::kTangent),
         adaptive_(parameters.predictor == Predictor::kAdaptive),
@@ -114,7 +113,7 @@ class PositionCoder {
 
   TSC_ALWAYS_INLINE void codeVertex(Hot<Direction>& coder, std::uint32_t time, const glm::dvec3& target) {
     VertexState& state = states_[time];
-    const Stencils stencils = stencilsOf(state);
+    const Stencils stencils(state, order_.corner_time);
     if (stencils.count == 0 || mixed_) [[unlikely]] {
       coder.to(direction_);
       if (stencils.count == 0) {
@@ -132,11 +131,8 @@ class PositionCoder {
 
   /// A vertex without a complete parallelogram, the first triangle of a component above all: exact to the fine lattice.
   [[gnu::noinline]] void codeFree(std::uint32_t time, const glm::dvec3& target) {
-    const Stencils stencils = stencilsOf(states_[time]);
-    std::uint32_t origin_time = time - 1;
-    if (stencils.corner[0] != kNone) {
-      origin_time = parallelogramAt(surface_, order_.corner_time, stencils.corner[0]).right;
-    }
+    const Stencils stencils(states_[time], order_.corner_time);
+    const std::uint32_t origin_time = stencils.hasGate() ? stencils[0].right : time - 1;
     const Vec3 origin = time == 0 ? Vec3(0) : vectorOf(states_[origin_time].point);
     Vec3 difference(0);
     if constexpr (Direction::kWrites) difference = Vec3(glm::floor(target + 0.5)) - origin;
@@ -146,12 +142,13 @@ class PositionCoder {
     const Vec3 position(
         glm::clamp(WideVec3(origin) + WideVec3(difference), WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit)));
     states_[time].point = Integers{position.x, position.y, position.z, stencils.valence};
+    states_[time].memory = {};
   }
 
   /// Effort max (section 6.9). The stencils' order becomes that of the arc.
   [[gnu::noinline]] void codeMixed(std::uint32_t time, const glm::dvec3& target) {
-    const Stencils stencils = stencilsOf(states_[time]);
-    const Arc arc = arcOf(surface_, order_.corner_time, stencils);
+    const Stencils stencils(states_[time], order_.corner_time);
+    const Arc arc = arcOf(order_, stencils);
     Prediction p;
     std::array<Parallelogram, kMaxStencils> parallelograms;
     for (std::size_t j = 0; j < kMaxStencils; ++j) {
@@ -159,10 +156,10 @@ class PositionCoder {
       parallelograms[j] = {s.left, s.right, s.base};
     }
     gather(parallelograms, arc.count, p);
-    place(time, arc.list[0].corner, stencils.valence, p);
+    place(time, arc.list[0].face, stencils.valence, p);
     const ToLocal local(p.frame, tangent_);
     const MixedFeatures features =
-        mixedFeatures({surface_, order_.corner_time, states_, time}, arc, stencils.valence, local, tangent_);
+        mixedFeatures({order_, states_, time}, arc, stencils.valence, local, tangent_);
     p.offset = mixed_->offset(features, arc.count, stencils.valence);
     std::array<std::int32_t, 3> residual{};
     if constexpr (Direction::kWrites) residual = wantedResidual(p, target);
@@ -188,10 +185,10 @@ class PositionCoder {
   TSC_ALWAYS_INLINE void predict(std::uint32_t time, const Stencils& stencils, Prediction& p) {
     std::array<Parallelogram, kMaxStencils> parallelograms;
     for (std::size_t j = 0; j < kMaxStencils; ++j) {
-      parallelograms[j] = parallelogramAt(surface_, order_.corner_time, stencils.corner[j]);
+      parallelograms[j] = stencils[j];
     }
     gather(parallelograms, stencils.count, p);
-    place(time, stencils.corner[0], stencils.valence, p);
+    place(time, stencils.face(0), stencils.valence, p);
     if (tangent_ || adaptive_) p.surrounding = toLocal(p.frame, tangent_, surroundingOf(p));
     if (adaptive_) {
       const int left = p.left()->valence(), right = p.right()->valence(), base = p.base()->valence();
@@ -222,12 +219,12 @@ class PositionCoder {
   }
 
   /// The predicted point and the frame there.
-  TSC_ALWAYS_INLINE void place(std::uint32_t time, std::uint32_t corner, std::int32_t valence, Prediction& p) const {
+  TSC_ALWAYS_INLINE void place(std::uint32_t time, std::uint32_t face, std::int32_t valence, Prediction& p) const {
     p.point = p.mean;
     if (parameters_.predictor < Predictor::kAverage) [[unlikely]] {
       p.point = parameters_.predictor == Predictor::kParallelogram
                     ? p.candidates[0]
-                    : weightedPoint(time, corner, valence, parameters_.predictor == Predictor::kWeighted);
+                    : weightedPoint(time, face, valence, p);
     }
     if (tangent_) {
       p.frame = frameAt(parameters_.basis, p.left()->point, p.right()->point, p.base()->point, p.point);
@@ -235,12 +232,12 @@ class PositionCoder {
   }
 
   /// Of the predictors that are not made of candidates' means.
-  [[gnu::noinline]] Integers weightedPoint(std::uint32_t time, std::uint32_t corner, std::int32_t valence,
-                                           bool use_known_angles) const {
-    const Parallelogram gate = parallelogramAt(surface_, order_.corner_time, corner);
-    return lanesOf(clampedToLattice(weightedParallelogram(
-        vectorOf(states_[gate.left].point), vectorOf(states_[gate.right].point), vectorOf(states_[gate.base].point),
-        expectedAngles({surface_, order_.corner_time, states_}, time, corner, valence, use_known_angles))));
+  [[gnu::noinline]] Integers weightedPoint(std::uint32_t time, std::uint32_t face, std::int32_t valence,
+                                           const Prediction& p) const {
+    const bool use_known_angles = parameters_.predictor == Predictor::kWeighted;
+    return lanesOf(clampedToLattice(
+        weightedParallelogram(vectorOf(p.left()->point), vectorOf(p.right()->point), vectorOf(p.base()->point),
+                              expectedAngles({order_, states_}, time, face, valence, use_known_angles))));
   }
 
   TSC_ALWAYS_INLINE static Surrounding surroundingOf(const Prediction& p) {
@@ -421,7 +418,6 @@ class PositionCoder {
   }
 
   Direction direction_;
-  const Surface& surface_;
   const PositionParameters& parameters_;
   const bool tangent_;
   const bool adaptive_;
@@ -441,16 +437,16 @@ class PositionCoder {
 
 CodingStart codingStart(const Surface& surface, const PositionMap& map, Order order) {
   CodingStart start{codingOrder(surface, map, order), std::vector<VertexState>(map.position_count)};
-  collectStencils(surface, start.order.corner_time, start.states);
+  collectStencils(start.order, start.states);
   return start;
 }
 
-double encodePositions(const Surface& surface, const CodingStart& start, const PositionParameters& parameters,
+double encodePositions(const CodingStart& start, const PositionParameters& parameters,
                        std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>* decoded,
                        std::uint32_t count) {
   const auto first = start.states.begin();
   std::vector<VertexState> states(first, first + std::min<std::ptrdiff_t>(count, std::ssize(start.states)));
-  PositionCoder<Writing> coder(Writing{writer}, surface, start.order, std::move(states), parameters);
+  PositionCoder<Writing> coder(Writing{writer}, start.order, std::move(states), parameters);
   const double squared_error = coder.run(target);
   if (decoded != nullptr) *decoded = coder.decoded();
   return squared_error;
@@ -459,7 +455,7 @@ double encodePositions(const Surface& surface, const CodingStart& start, const P
 Status decodePositions(Surface& surface, const PositionMap& map, const PositionParameters& parameters,
                        bool edges_end_here, EntropyReader& reader, std::vector<Vec3>& decoded) {
   CodingStart start = codingStart(surface, map, parameters.order);
-  PositionCoder<Reading> coder(Reading{reader}, surface, start.order, std::move(start.states), parameters);
+  PositionCoder<Reading> coder(Reading{reader}, start.order, std::move(start.states), parameters);
   coder.run({});
   if (edges_end_here) surface.opposite = std::vector<std::uint32_t>();
   decoded = coder.decoded();

@@ -32,13 +32,13 @@ struct CodingStart {
   CodingOrder order;
   std::vector<VertexState> states;  ///< by time
 };
-/// The result refers to `surface`.
+/// The result refers to `surface` and `map`.
 CodingStart codingStart(const Surface& surface, const PositionMap& map, Order order);
 
 /// Codes the positions that the surface has, or the first `count` in the order of coding. `target` holds them by
 /// position number, in steps and within +-2^26 on the fine lattice; `decoded`, if given, receives what the decoder will
 /// have. Returns the sum of squared distances between the two, on the fine lattice.
-double encodePositions(const Surface& surface, const CodingStart& start, const PositionParameters& parameters,
+double encodePositions(const CodingStart& start, const PositionParameters& parameters,
                        std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>* decoded,
                        std::uint32_t count = kNone);
 /// `edges_end_here`: nothing after this needs the surface's edges, whose memory is then given back before the result

@@ -28,7 +28,7 @@ namespace tsc {
 ///
 /// Events:
 ///   void start(std::uint32_t (&degrees)[3])             degrees of a new component's first face
-///   void face(std::uint32_t gate_corner)                a face is being glued to `gate_corner`
+///   void face(std::uint32_t gate_corner)                a face is being glued to `gate_corner` by its first corner
 ///   Tip tip(const Gate&, const Front&)                  its third vertex
 ///   void vertex(std::uint32_t vertex, std::uint32_t corner)  a new vertex at a corner
 ///   void edge(std::uint32_t node, std::uint32_t corner) the node's edge is now the one that `corner` faces
@@ -170,19 +170,23 @@ class Traversal {
         [[unlikely]] {
       return fail(ErrorCode::kInvalidSymbol);
     }
-    const std::uint32_t base = corners_;
+    // The newer of left and right comes first, without a branch, which could not be predicted.
+    const std::uint32_t turn = right.vertex > left.vertex;
+    const std::uint32_t at_left = corners_ + turn, at_middle = corners_ + 1 + turn, at_right = corners_ + 2 - 2 * turn;
     corners_ += 3;
-    events_.face(middle.corner);
-    setCorners(base, left.vertex, middle.vertex, right.vertex);
-    glue(base, middle.corner);
-    glue(base + 2, left.corner);
+    events_.face(turn != 0 ? left.corner : middle.corner);
+    surface_.corner_vertex[at_left] = left.vertex;
+    surface_.corner_vertex[at_middle] = middle.vertex;
+    surface_.corner_vertex[at_right] = right.vertex;
+    glue(at_left, middle.corner);
+    glue(at_right, left.corner);
     if (is_last) [[unlikely]] {
-      glue(base + 1, right.corner);
+      glue(at_middle, right.corner);
       front_.remove(before);
       front_.remove(after);
     } else {
       front_.link(before, after);
-      setEdge(before, base + 1, middle.degree_class);
+      setEdge(before, at_middle, middle.degree_class);
       front_.decrementFreeValence(before);
       front_.decrementFreeValence(after);
     }

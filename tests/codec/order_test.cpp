@@ -80,13 +80,21 @@ TEST(Order, TimesAreThoseOfPositions) {
       for (const Order order : {Order::kTraversal, Order::kDegree}) {
         const CodingOrder coding = codingOrder(surface, map, order);
         ASSERT_EQ(coding.corner_time.size(), surface.corner_vertex.size());
+        for (std::uint32_t f = 0; f < surface.faceCount(); ++f) {
+          const std::uint32_t* const times = &coding.corner_time[3 * f];
+          std::uint32_t corner = coding.firstCorner(f);
+          ASSERT_EQ(corner / 3, f);
+          for (std::uint32_t k = 0; k < 3; ++k, corner = nextCorner(corner)) ASSERT_EQ(times[k], coding.timeAt(corner));
+          if (coding.vertex_time.empty()) continue;
+          ASSERT_GE(times[0], std::max(times[1], times[2])) << "the last first";
+        }
         std::vector<int> taken(map.position_count, 0);
         for (std::uint32_t time = 0; time < map.position_count; ++time) {
           ++taken[coding.position.empty() ? time : coding.position[time]];
         }
         EXPECT_EQ(taken, std::vector<int>(map.position_count, 1)) << "each position once";
         for (std::uint32_t c = 0; c < surface.corner_vertex.size(); ++c) {
-          const std::uint32_t v = surface.corner_vertex[c], time = coding.corner_time[c];
+          const std::uint32_t v = surface.corner_vertex[c], time = coding.timeAt(c);
           ASSERT_EQ(time >= map.position_count, surface.isDummy(v));
           if (surface.isDummy(v)) continue;
           ASSERT_EQ(coding.position.empty() ? time : coding.position[time], map.positionOf(v));

@@ -239,16 +239,22 @@ class Growth:
         last = before.free == 0 or after.free == 0
         if last:
             require(after.next is before and before.free == after.free, "a sector has too few faces")
-        corner = self.surface.add_face(before.vertex, node.vertex, after.vertex)
-        self.surface.glue(corner, node.corner)
-        self.surface.glue(corner + 2, before.corner)
+        if after.vertex > before.vertex:
+            at_after = self.surface.add_face(after.vertex, before.vertex, node.vertex)
+            at_before = at_after + 1
+        else:
+            at_before = self.surface.add_face(before.vertex, node.vertex, after.vertex)
+            at_after = at_before + 2
+        at_node = next_corner(at_before)
+        self.surface.glue(at_before, node.corner)
+        self.surface.glue(at_after, before.corner)
         if last:
-            self.surface.glue(corner + 1, after.corner)
+            self.surface.glue(at_node, after.corner)
             self.front.remove(before)
             self.front.remove(after)
         else:
             link(before, after)
-            before.corner = corner + 1
+            before.corner = at_node
             before.facing = node.vertex_class
             before.free -= 1
             self.front.enter_queue(before)
