@@ -17,7 +17,7 @@ struct ArcStencil {
   std::uint32_t right;
   std::uint32_t base;
   std::uint32_t base_corner;
-  std::uint32_t face;
+  std::uint32_t face;  ///< as in Stencils
 };
 
 struct Arc {

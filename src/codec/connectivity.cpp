@@ -145,16 +145,22 @@ class DecoderEvents {
 template <class Symbols>
 ConnectivityOrder encodeWith(const Surface& surface, EntropyWriter& writer, Surface& decoded) {
   EncoderEvents<Symbols> events(surface, writer);
-  Traversal traversal(events, decoded, surface.counts());
+  Traversal traversal(events, SurfaceEdges(decoded, surface.counts()), decoded, surface.counts());
   // Every surface that keeps its invariants can be coded.
   [[maybe_unused]] const Status status = traversal.run();
   return events.takeOrder();
 }
 
-template <class Symbols>
-Status decodeWith(EntropyReader& reader, const SurfaceCounts& counts, Surface& surface) {
+template <class Symbols, class Edges>
+Status decodeWith(EntropyReader& reader, const SurfaceCounts& counts, Edges edges, Surface& surface) {
+  // A turn may go one face too far before that is noticed.
+  if (counts.faces >= kMaxSurfaceFaces) {
+    return Error{ErrorCode::kInvalidCount, "connectivity", reader.position(), counts.faces, kMaxSurfaceFaces};
+  }
   DecoderEvents<Symbols> events(reader, counts.vertices());
-  return Traversal(events, surface, counts).run();
+  Status status = Traversal(events, edges, surface, counts).run();
+  if (status) status->byte_offset = reader.position();
+  return status;
 }
 
 }  // namespace
@@ -165,14 +171,14 @@ ConnectivityOrder encodeConnectivity(const Surface& surface, Effort effort, Entr
 }
 
 Status decodeConnectivity(EntropyReader& reader, Effort effort, const SurfaceCounts& counts, Surface& surface) {
-  // A turn may go one face too far before that is noticed.
-  if (counts.faces >= kMaxSurfaceFaces) {
-    return Error{ErrorCode::kInvalidCount, "connectivity", 0, counts.faces, kMaxSurfaceFaces};
-  }
-  Status status = effort == Effort::kMax ? decodeWith<MixedTips>(reader, counts, surface)
-                                         : decodeWith<AveragedTips>(reader, counts, surface);
-  if (status) status->byte_offset = reader.position();
-  return status;
+  const SurfaceEdges edges(surface, counts);
+  return effort == Effort::kMax ? decodeWith<MixedTips>(reader, counts, edges, surface)
+                                : decodeWith<AveragedTips>(reader, counts, edges, surface);
+}
+
+Status decodeConnectivity(EntropyReader& reader, const SurfaceCounts& counts, Surface& surface,
+                          Buffer<VertexState>& states) {
+  return decodeWith<AveragedTips>(reader, counts, StencilEdges(states, counts), surface);
 }
 
 }  // namespace tsc

@@ -1,7 +1,9 @@
 // Connectivity: the surface as vertex degrees, split and merge events (BITSTREAM.md, section 5).
 #pragma once
 
+#include "buffer.h"
 #include "entropy.h"
+#include "stencil.h"
 #include "surface.h"
 #include "tsc/codec.h"
 
@@ -27,5 +29,10 @@ ConnectivityOrder encodeConnectivity(const Surface& surface, Effort effort, Entr
 /// Errors: kTruncated, kInvalidSymbol, kInvalidCount.
 [[nodiscard]] Status decodeConnectivity(EntropyReader& reader, Effort effort, const SurfaceCounts& counts,
                                         Surface& surface);
+
+/// The same at effort default without the surface's edges, `opposite` and `vertex_corner`: enters into `states` the
+/// stencils that `collectStencils` would find, for positions that are coded in the order of the vertices.
+[[nodiscard]] Status decodeConnectivity(EntropyReader& reader, const SurfaceCounts& counts, Surface& surface,
+                                        Buffer<VertexState>& states);
 
 }  // namespace tsc

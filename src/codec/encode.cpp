@@ -264,7 +264,7 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
     outputs.emplace_back(static_cast<std::size_t>(info.byte_length));
     spans.emplace_back(outputs.back());
   }
-  if (Status s = writeOutputs(header, assignment, positions, spans)) return *s;
+  if (Status s = writeOutputs(header, assignment, {{}, positions}, spans)) return *s;
   writer.finish(checksumOf(result.bytes, spans), result.bytes);
 
   // The proof that the decoder agrees: same numbers, or no result.

@@ -86,11 +86,12 @@ struct CodingOrder {
     const std::uint32_t vertex = surface->corner_vertex[corner];
     return vertex_time.empty() ? vertex : vertex_time[vertex];
   }
-  /// The surface's corner that stands first in `corner_time`.
+  std::uint32_t positionAt(std::uint32_t time) const { return position.empty() ? time : position[time]; }
+  /// The surface's corner whose time stands first in that of `face`, given by its first corner's number.
   std::uint32_t firstCorner(std::uint32_t face) const {
-    std::uint32_t corner = 3 * face;
+    std::uint32_t corner = face;
     if (!vertex_time.empty()) {
-      while (timeAt(corner) != corner_time[3 * std::size_t{face}]) ++corner;
+      while (timeAt(corner) != corner_time[face]) ++corner;
     }
     return corner;
   }

@@ -55,7 +55,7 @@ template <class Direction>
 class PositionCoder {
  public:
   /// `states`: as in CodingStart, of those positions that are to be coded.
-  PositionCoder(Direction direction, const CodingOrder& order, std::vector<VertexState> states,
+  PositionCoder(Direction direction, const CodingOrder& order, std::span<VertexState> states,
                 const PositionParameters& parameters)
       : direction_(direction),
         parameters_(parameters),
@@ -63,7 +63,7 @@ class PositionCoder {
         adaptive_(parameters.predictor == Predictor::kAdaptive),
         exact_hits_(parameters.exact_hits),
         order_(order),
-        states_(std::move(states)),
+        states_(states),
         step_(stepsOf(parameters)),
         residuals_(direction, parameters.exact_hits, parameters.centred_only, bitsOf(step_)) {
     const std::array<int, 3> bits = bitsOf(step_);
@@ -84,7 +84,7 @@ class PositionCoder {
         coder.to(direction_);
         if (direction_.overrun()) break;
       }
-      const glm::dvec3 wanted = Direction::kWrites ? target[positionAt(time)] * cells : glm::dvec3(0);
+      const glm::dvec3 wanted = Direction::kWrites ? target[order_.positionAt(time)] * cells : glm::dvec3(0);
       codeVertex(coder, time, wanted);
       if constexpr (Direction::kWrites) {
         const glm::dvec3 error = wanted - glm::dvec3(vectorOf(states_[time].point));
@@ -95,21 +95,10 @@ class PositionCoder {
     return squared_error;
   }
 
-  /// What the decoder has, by position number.
-  std::vector<Vec3> decoded() const {
-    std::vector<Vec3> positions(states_.size());
-    for (std::uint32_t time = 0; time < states_.size(); ++time) {
-      positions[positionAt(time)] = vectorOf(states_[time].point);
-    }
-    return positions;
-  }
-
  private:
   static constexpr std::uint32_t kOverrunInterval = 1024;
   /// Until then all components learn all they can from each vertex; then in turns, which is as good and faster.
   static constexpr std::uint32_t kEagerUntil = 2048;
-
-  std::uint32_t positionAt(std::uint32_t time) const { return order_.position.empty() ? time : order_.position[time]; }
 
   TSC_ALWAYS_INLINE void codeVertex(Hot<Direction>& coder, std::uint32_t time, const glm::dvec3& target) {
     VertexState& state = states_[time];
@@ -423,7 +412,7 @@ class PositionCoder {
   const bool adaptive_;
   const bool exact_hits_;
   const CodingOrder& order_;
-  std::vector<VertexState> states_;         ///< by time
+  const std::span<VertexState> states_;     ///< by time
   const std::array<std::int32_t, 3> step_;  ///< of each component on the fine lattice
   Integers step_bits_;                      ///< floor(log2(step))
   ResidualCoder<Direction> residuals_;
@@ -436,7 +425,7 @@ class PositionCoder {
 }  // namespace
 
 CodingStart codingStart(const Surface& surface, const PositionMap& map, Order order) {
-  CodingStart start{codingOrder(surface, map, order), std::vector<VertexState>(map.position_count)};
+  CodingStart start{codingOrder(surface, map, order), Buffer<VertexState>(map.position_count)};
   collectStencils(start.order, start.states);
   return start;
 }
@@ -445,22 +434,25 @@ double encodePositions(const CodingStart& start, const PositionParameters& param
                        std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>* decoded,
                        std::uint32_t count) {
   const auto first = start.states.begin();
-  std::vector<VertexState> states(first, first + std::min<std::ptrdiff_t>(count, std::ssize(start.states)));
-  PositionCoder<Writing> coder(Writing{writer}, start.order, std::move(states), parameters);
-  const double squared_error = coder.run(target);
-  if (decoded != nullptr) *decoded = coder.decoded();
+  Buffer<VertexState> states(first, first + std::min<std::ptrdiff_t>(count, std::ssize(start.states)));
+  const double squared_error = PositionCoder<Writing>(Writing{writer}, start.order, states, parameters).run(target);
+  if (decoded != nullptr) *decoded = pointsOf(start.order, states);
   return squared_error;
 }
 
-Status decodePositions(Surface& surface, const PositionMap& map, const PositionParameters& parameters,
-                       bool edges_end_here, EntropyReader& reader, std::vector<Vec3>& decoded) {
-  CodingStart start = codingStart(surface, map, parameters.order);
-  PositionCoder<Reading> coder(Reading{reader}, start.order, std::move(start.states), parameters);
-  coder.run({});
-  if (edges_end_here) surface.opposite = std::vector<std::uint32_t>();
-  decoded = coder.decoded();
+Status decodePositions(const CodingOrder& order, const PositionParameters& parameters, EntropyReader& reader,
+                       std::span<VertexState> states) {
+  PositionCoder<Reading>(Reading{reader}, order, states, parameters).run({});
   if (reader.overrun()) return Error{ErrorCode::kTruncated, "positions", reader.position()};
   return {};
+}
+
+std::vector<Vec3> pointsOf(const CodingOrder& order, std::span<const VertexState> states) {
+  std::vector<Vec3> points(states.size());
+  for (std::uint32_t time = 0; time < states.size(); ++time) {
+    points[order.positionAt(time)] = vectorOf(states[time].point);
+  }
+  return points;
 }
 
 }  // namespace tsc

@@ -66,7 +66,7 @@ ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, s
                               std::int32_t valence, bool use_known_angles) {
   const CodingOrder& order = context.order;
   const std::span<const VertexState> states = context.states;
-  const std::uint32_t* const times = order.corner_time.data() + 3 * std::size_t{face};
+  const std::uint32_t* const times = order.corner_time.data() + face;
   const auto byValence = [](std::int32_t faces) {
     return floorDivide(2 * kHalfTurn, std::clamp(faces, 3, kMaxValence));
   };

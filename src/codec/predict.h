@@ -52,7 +52,7 @@ struct AngleContext {
   const CodingOrder& order;
   std::span<const VertexState> states;
 };
-/// For the vertex coded at `time`, which stands first in the stencil's face.
+/// For the vertex coded at `time`, which stands first in the stencil's `face`, as in Stencils.
 ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face,
                               std::int32_t valence, bool use_known_angles);
 

@@ -21,7 +21,7 @@ inline constexpr int kMaxStencils = 3;
 class UncodedState {
  public:
   struct Stencil {
-    std::uint32_t face;
+    std::uint32_t face;  ///< its first corner's number
     std::uint32_t base;  ///< when it is coded
   };
 
@@ -95,9 +95,10 @@ class Stencils {
   /// Beyond `count` the first again.
   TSC_ALWAYS_INLINE Parallelogram operator[](std::size_t j) const {
     const UncodedState::Stencil& stencil = uncoded_[static_cast<int>(j) < count ? j : 0];
-    const std::uint32_t* const time = corner_time_ + 3 * std::size_t{stencil.face};
+    const std::uint32_t* const time = corner_time_ + stencil.face;
     return {time[1], time[2], stencil.base};
   }
+  /// The number of its first corner.
   std::uint32_t face(std::size_t j) const { return uncoded_[j].face; }
   /// Without a stencil there may still be a gate: that of the first then has no known base.
   bool hasGate() const { return face(0) != kNone; }
@@ -114,14 +115,14 @@ class Stencils {
 /// faces. A face counts for the position that stands first in it, if that is coded after the other two.
 inline void collectStencils(const CodingOrder& order, std::span<VertexState> states) {
   for (VertexState& state : states) state.uncoded.start(0);
-  for (std::uint32_t f = 0; 3 * std::size_t{f} < order.corner_time.size(); ++f) {
-    const std::uint32_t* const time = order.corner_time.data() + 3 * std::size_t{f};
+  for (std::uint32_t face = 0; face < order.corner_time.size(); face += 3) {
+    const std::uint32_t* const time = order.corner_time.data() + face;
     for (int k = 0; k < 3; ++k) {
       if (time[k] < states.size()) [[likely]] states[time[k]].uncoded.addFace();
     }
     if (time[0] >= states.size() || time[0] <= std::max(time[1], time[2])) continue;
-    const std::uint32_t base = order.timeAt(order.surface->opposite[order.firstCorner(f)]);
-    states[time[0]].uncoded.add({f, base}, base < time[0]);
+    const std::uint32_t base = order.timeAt(order.surface->opposite[order.firstCorner(face)]);
+    states[time[0]].uncoded.add({face, base}, base < time[0]);
   }
 }
 

@@ -130,7 +130,7 @@ Vector cross(const Vector& a, const Vector& b) {
 class EdgePairing {
  public:
   EdgePairing(std::span<const float> positions, std::span<const std::uint32_t> input_vertex,
-              std::vector<std::uint32_t>& opposite)
+              std::span<std::uint32_t> opposite)
       : positions_(positions), vertex_(input_vertex), opposite_(opposite) {}
 
   /// Pairs two half-edges of opposite direction unless one is paired or they are flip sides.
@@ -218,14 +218,14 @@ class EdgePairing {
 
   std::span<const float> positions_;
   std::span<const std::uint32_t> vertex_;  ///< welded vertex of each corner
-  std::vector<std::uint32_t>& opposite_;
+  std::span<std::uint32_t> opposite_;
   std::vector<Candidate> candidates_;
 };
 
 /// Opposite corners over welded vertices; kNone at boundaries.
-std::vector<std::uint32_t> pairHalfEdges(std::span<const float> positions, std::span<const std::uint32_t> vertex) {
+Buffer<std::uint32_t> pairHalfEdges(std::span<const float> positions, std::span<const std::uint32_t> vertex) {
   const auto corner_count = static_cast<std::uint32_t>(vertex.size());
-  std::vector<std::uint32_t> opposite(corner_count, kNone);
+  Buffer<std::uint32_t> opposite(corner_count, kNone);
   const auto smaller_end = [&](std::uint32_t corner) {
     return std::min(vertex[nextCorner(corner)], vertex[previousCorner(corner)]);
   };

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "buffer.h"
 #include "tsc/codec.h"
 
 namespace tsc {
@@ -34,11 +35,11 @@ struct SurfaceCounts {
 /// decoder hold it in the decoder's numbering: faces, real vertices and dummies, each in the order in which decoding
 /// creates them.
 struct Surface {
-  std::vector<std::uint32_t> corner_vertex;  ///< vertex at each corner, 3 a face
-  std::vector<std::uint32_t> opposite;       ///< corner facing the same edge from the other side; never kNone
-  std::vector<std::uint32_t> vertex_corner;  ///< for each vertex one of its corners, the same on both sides
-  std::uint32_t real_count = 0;              ///< vertices of the mesh, which come first
-  std::uint32_t dummy_count = 0;             ///< vertices that close holes, numbered after them
+  Buffer<std::uint32_t> corner_vertex;  ///< vertex at each corner, 3 a face
+  Buffer<std::uint32_t> opposite;       ///< corner facing the same edge from the other side; never kNone
+  Buffer<std::uint32_t> vertex_corner;  ///< for each vertex one of its corners, the same on both sides
+  std::uint32_t real_count = 0;         ///< vertices of the mesh, which come first
+  std::uint32_t dummy_count = 0;        ///< vertices that close holes, numbered after them
   bool isDummy(std::uint32_t vertex) const { return vertex >= real_count; }
   std::uint32_t vertexCount() const { return real_count + dummy_count; }
   std::uint32_t faceCount() const { return static_cast<std::uint32_t>(corner_vertex.size() / 3); }

@@ -14,8 +14,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "edges.h"
 #include "front.h"
 #include "gate.h"
 #include "surface.h"
@@ -30,14 +30,17 @@ namespace tsc {
 ///   void start(std::uint32_t (&degrees)[3])             degrees of a new component's first face
 ///   void face(std::uint32_t gate_corner)                a face is being glued to `gate_corner` by its first corner
 ///   Tip tip(const Gate&, const Front&)                  its third vertex
-///   void vertex(std::uint32_t vertex, std::uint32_t corner)  a new vertex at a corner
+///   void vertex(std::uint32_t vertex, std::uint32_t corner)
+///                                                       a new vertex at a corner
 ///   void edge(std::uint32_t node, std::uint32_t corner) the node's edge is now the one that `corner` faces
 ///   bool failed()                                       asked now and then; true ends the traversal
-template <class Events>
+///
+/// `Edges` is what is kept of the edges, `SurfaceEdges` or `StencilEdges`.
+template <class Events, class Edges>
 class Traversal {
  public:
-  Traversal(Events& events, Surface& surface, const SurfaceCounts& counts)
-      : events_(events), surface_(surface), counts_(counts), corner_count_(3 * counts.faces) {}
+  Traversal(Events& events, Edges edges, Surface& surface, const SurfaceCounts& counts)
+      : events_(events), edges_(edges), surface_(surface), counts_(counts), corner_count_(3 * counts.faces) {}
 
   Status run() {
     reserve();
@@ -52,11 +55,11 @@ class Traversal {
     if (events_.failed()) return fault(ErrorCode::kTruncated);
     if (error_) return error_;
     if (!front_.empty() || corners_ != corner_count_ || vertices_ != counts_.real_vertices ||
-        dummy_corner_.size() != counts_.dummies) {
+        dummies_ != counts_.dummies) {
       return fault(ErrorCode::kInvalidCount);
     }
     resize(corners_, vertices_);
-    surface_.vertex_corner.insert(surface_.vertex_corner.end(), dummy_corner_.begin(), dummy_corner_.end());
+    edges_.finish();
     surface_.real_count = counts_.real_vertices;
     surface_.dummy_count = counts_.dummies;
     return {};
@@ -76,17 +79,15 @@ class Traversal {
   void reserve() {
     constexpr std::uint32_t kMost = 1 << 22;
     const std::size_t corners = 3 * (std::size_t{std::min(corner_count_ / 3, kMost)} + 2 * kTurns + 1);
-    const std::size_t vertices = std::size_t{std::min(counts_.vertices(), kMost)} + kTurns + 3;
+    const std::size_t vertices = std::size_t{std::min(counts_.real_vertices, kMost)} + kTurns + 3;
     surface_ = {};
     surface_.corner_vertex.reserve(corners);
-    surface_.opposite.reserve(corners);
-    surface_.vertex_corner.reserve(vertices);
+    edges_.reserve(corners, vertices);
   }
 
   void resize(std::size_t corners, std::size_t vertices) {
     surface_.corner_vertex.resize(corners);
-    surface_.opposite.resize(corners);
-    surface_.vertex_corner.resize(vertices);
+    edges_.resize(corners, vertices);
   }
 
   /// For a component's start and so many turns. Memory follows what has been decoded, not what the header claims.
@@ -102,11 +103,6 @@ class Traversal {
     return front_.empty() ? false : fail(ErrorCode::kInvalidCount);  // nothing but dummies
   }
 
-  void glue(std::uint32_t a, std::uint32_t b) {
-    surface_.opposite[a] = b;
-    surface_.opposite[b] = a;
-  }
-
   void setCorners(std::uint32_t base, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     std::uint32_t* const corners = &surface_.corner_vertex[base];
     corners[0] = a;
@@ -114,21 +110,21 @@ class Traversal {
     corners[2] = c;
   }
 
-  void setEdge(std::uint32_t node, std::uint32_t corner, std::uint32_t facing_class) {
-    front_.setEdge(node, corner, facing_class);
+  void setEdge(std::uint32_t node, std::uint32_t corner, std::uint32_t vertex, std::uint32_t facing_class) {
+    front_.setEdge(node, Edges::facing(corner, vertex), facing_class);
     events_.edge(node, corner);
   }
 
   /// The caller has checked that one more is allowed.
-  std::uint32_t addVertex(std::uint32_t corner) {
-    surface_.vertex_corner[vertices_] = corner;
+  std::uint32_t addVertex(std::uint32_t corner, std::uint32_t degree) {
+    edges_.addVertex(vertices_, corner, degree);
     events_.vertex(vertices_, corner);
     return vertices_++;
   }
 
   std::uint32_t addDummy(std::uint32_t corner) {
-    const auto vertex = counts_.real_vertices + static_cast<std::uint32_t>(dummy_corner_.size());
-    dummy_corner_.push_back(corner);
+    const std::uint32_t vertex = counts_.real_vertices + dummies_++;
+    edges_.addDummy(corner);
     events_.vertex(vertex, corner);
     return vertex;
   }
@@ -142,7 +138,7 @@ class Traversal {
     if (std::min({degrees[0], degrees[1], degrees[2]}) < 2) return fail(ErrorCode::kInvalidSymbol);
     std::uint32_t nodes[3];
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t vertex = addVertex(base + k);
+      const std::uint32_t vertex = addVertex(base + k, degrees[k]);
       surface_.corner_vertex[base + k] = vertex;
       nodes[k] = front_.add(vertex, degreeClass(degrees[k]), degrees[k] - 2);
       front_.enterQueue(nodes[k]);
@@ -152,7 +148,7 @@ class Traversal {
       const std::uint32_t from = nodes[(k + 1) % 3];
       const std::uint32_t facing = (k + 2) % 3;
       front_.link(from, nodes[k]);
-      setEdge(from, base + facing, front_[nodes[facing]].degree_class);
+      setEdge(from, base + facing, front_[nodes[facing]].vertex, front_[nodes[facing]].degree_class);
     }
     return true;
   }
@@ -172,21 +168,25 @@ class Traversal {
     }
     // The newer of left and right comes first, without a branch, which could not be predicted.
     const std::uint32_t turn = right.vertex > left.vertex;
-    const std::uint32_t at_left = corners_ + turn, at_middle = corners_ + 1 + turn, at_right = corners_ + 2 - 2 * turn;
+    const std::uint32_t base = corners_;
+    const std::uint32_t at_left = base + turn, at_middle = base + 1 + turn, at_right = base + 2 - 2 * turn;
     corners_ += 3;
-    events_.face(turn != 0 ? left.corner : middle.corner);
+    const std::uint32_t gate = turn != 0 ? left.facing : middle.facing;
+    events_.face(gate);
     surface_.corner_vertex[at_left] = left.vertex;
     surface_.corner_vertex[at_middle] = middle.vertex;
     surface_.corner_vertex[at_right] = right.vertex;
-    glue(at_left, middle.corner);
-    glue(at_right, left.corner);
+    edges_.glue(at_left, middle.facing);
+    edges_.glue(at_right, left.facing);
+    const auto [older, newer] = std::minmax(left.vertex, right.vertex);
+    edges_.addFace(base, newer, older, middle.vertex, gate);
     if (is_last) [[unlikely]] {
-      glue(at_middle, right.corner);
+      edges_.glue(at_middle, right.facing);
       front_.remove(before);
       front_.remove(after);
     } else {
       front_.link(before, after);
-      setEdge(before, at_middle, middle.degree_class);
+      setEdge(before, at_middle, middle.vertex, middle.degree_class);
       front_.decrementFreeValence(before);
       front_.decrementFreeValence(after);
     }
@@ -200,7 +200,7 @@ class Traversal {
     const std::uint32_t end = gate.end();
     const std::uint32_t base = corners_;
     corners_ += 3;
-    events_.face(front_[start].corner);
+    events_.face(front_[start].facing);
     const Tip tip = events_.tip(gate, front_);
 
     std::uint32_t before_end = 0;  // the node whose edge becomes tip -> end
@@ -209,18 +209,19 @@ class Traversal {
       if (before_end == Front::kNoNode) return fail(ErrorCode::kInvalidSymbol);
     } else {
       const bool is_dummy = tip.degree_class == Front::kDummyClass;
-      if (is_dummy ? dummy_corner_.size() == counts_.dummies : vertices_ == counts_.real_vertices) [[unlikely]] {
+      if (is_dummy ? dummies_ == counts_.dummies : vertices_ == counts_.real_vertices) [[unlikely]] {
         return fail(ErrorCode::kInvalidCount);
       }
-      before_end = front_.add(is_dummy ? addDummy(base) : addVertex(base), tip.degree_class, tip.degree - 2);
+      before_end = front_.add(is_dummy ? addDummy(base) : addVertex(base, tip.degree), tip.degree_class, tip.degree - 2);
       front_.link(start, before_end);
     }
     front_.link(before_end, end);
 
     setCorners(base, front_[before_end].vertex, front_[start].vertex, front_[end].vertex);
-    glue(base, front_[start].corner);
-    setEdge(start, base + 2, front_[end].degree_class);
-    setEdge(before_end, base + 1, front_[start].degree_class);
+    edges_.glue(base, front_[start].facing);
+    edges_.addFace(base, front_[before_end].vertex, front_[start].vertex, front_[end].vertex, front_[start].facing);
+    setEdge(start, base + 2, front_[end].vertex, front_[end].degree_class);
+    setEdge(before_end, base + 1, front_[start].vertex, front_[start].degree_class);
     front_.decrementFreeValence(gate.other);
     front_.enterQueue(before_end);
     // Most pivots have one free edge. These need not pass through the queue.
@@ -250,13 +251,14 @@ class Traversal {
   }
 
   Events& events_;
+  Edges edges_;
   Surface& surface_;
   Front front_;
   const SurfaceCounts counts_;
   const std::uint32_t corner_count_;
   std::uint32_t corners_ = 0;
   std::uint32_t vertices_ = 0;  ///< real ones
-  std::vector<std::uint32_t> dummy_corner_;  ///< for each dummy one of its corners
+  std::uint32_t dummies_ = 0;
   Status error_;
 };
 

@@ -17,6 +17,34 @@ bool equal(const Surface& a, const Surface& b) {
          a.counts() == b.counts();
 }
 
+/// Compares the stencils that decoding collects with those that the surface has.
+void expectStencilsOf(const Surface& surface, std::span<const std::byte> bytes) {
+  Surface without_edges;
+  Buffer<VertexState> states, expected(surface.real_count);
+  EntropyReader reader(bytes);
+  ASSERT_FALSE(decodeConnectivity(reader, surface.counts(), without_edges, states));
+  ASSERT_EQ(without_edges.corner_vertex, surface.corner_vertex);
+  ASSERT_EQ(without_edges.counts(), surface.counts());
+  EXPECT_TRUE(without_edges.opposite.empty() && without_edges.vertex_corner.empty());
+  const PositionMap map{{}, surface.real_count};
+  const CodingOrder order = codingOrder(surface, map, Order::kTraversal);
+  collectStencils(order, expected);
+  ASSERT_EQ(states.size(), expected.size());
+  for (std::uint32_t v = 0; v < states.size(); ++v) {
+    const UncodedState &found = states[v].uncoded, &wanted = expected[v].uncoded;
+    ASSERT_EQ(found.valence(), wanted.valence()) << v;
+    ASSERT_EQ(found.count(), wanted.count()) << v;
+    // Without a stencil there may be a gate, whose base nothing looks at.
+    if (wanted.count() == 0) {
+      ASSERT_EQ(found[0].face, wanted[0].face) << v;
+    }
+    for (std::size_t j = 0; static_cast<int>(j) < wanted.count(); ++j) {
+      ASSERT_EQ(found[j].face, wanted[j].face) << v;
+      ASSERT_EQ(found[j].base, wanted[j].base) << v;
+    }
+  }
+}
+
 struct Coded {
   std::vector<std::byte> bytes;
   double bits = 0;
@@ -39,6 +67,7 @@ Coded roundTrip(const Surface& input, Effort effort) {
   EXPECT_EQ(reader.states(), finalStates(kChecksum));
   EXPECT_TRUE(equal(decoded, coded.surface));
   expectClosedManifold(decoded);
+  if (effort == Effort::kDefault) expectStencilsOf(decoded, coded.bytes);
 
   // The order is a bijection that carries the decoded surface onto the input.
   EXPECT_EQ(order.vertex.size(), input.vertexCount());
@@ -149,6 +178,7 @@ TEST_P(Connectivity, DamagedStreamsNeverCrash) {
     const Status status = decodeConnectivity(reader, GetParam(), coded.surface.counts(), surface);
     if (!status) {
       EXPECT_EQ(surface.faceCount(), coded.surface.faceCount());
+      if (GetParam() == Effort::kDefault) expectStencilsOf(surface, damaged);
     }
   }
   for (std::size_t length = 0; length < coded.bytes.size(); ++length) {
@@ -170,6 +200,7 @@ TEST_P(Connectivity, RandomBytesNeverCrash) {
     EntropyReader reader(bytes);
     const Status status = decodeConnectivity(reader, GetParam(), {faces, vertices, dummies}, surface);
     if (status || faces == 0) continue;
+    if (GetParam() == Effort::kDefault) expectStencilsOf(surface, bytes);
     for (const std::uint32_t corner : surface.opposite) ASSERT_LT(corner, 3 * faces);
     for (const std::uint32_t vertex : surface.corner_vertex) ASSERT_LT(vertex, vertices + dummies);
   }

@@ -82,7 +82,7 @@ TEST(Order, TimesAreThoseOfPositions) {
         ASSERT_EQ(coding.corner_time.size(), surface.corner_vertex.size());
         for (std::uint32_t f = 0; f < surface.faceCount(); ++f) {
           const std::uint32_t* const times = &coding.corner_time[3 * f];
-          std::uint32_t corner = coding.firstCorner(f);
+          std::uint32_t corner = coding.firstCorner(3 * f);
           ASSERT_EQ(corner / 3, f);
           for (std::uint32_t k = 0; k < 3; ++k, corner = nextCorner(corner)) ASSERT_EQ(times[k], coding.timeAt(corner));
           if (coding.vertex_time.empty()) continue;

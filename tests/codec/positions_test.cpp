@@ -62,8 +62,9 @@ std::vector<Vec3> codedPositions(const Surface& surface, const PositionMap& map,
   std::vector<std::byte> bytes;
   writer.finish(kChecksum, bytes);
   EntropyReader reader(bytes);
-  Surface decoders = surface;
-  EXPECT_FALSE(decodePositions(decoders, map, parameters, false, reader, decoded));
+  CodingStart start = codingStart(surface, map, parameters.order);
+  EXPECT_FALSE(decodePositions(start.order, parameters, reader, start.states));
+  decoded = pointsOf(start.order, start.states);
   EXPECT_TRUE(reader.atEnd());
   EXPECT_EQ(reader.states(), finalStates(kChecksum));
   EXPECT_EQ(decoded, expected);
@@ -138,13 +139,9 @@ TEST(Positions, HostileBytesEndInTime) {
       std::vector<std::byte> bytes(random() % 3000);
       for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
       EntropyReader reader(bytes);
-      std::vector<Vec3> decoded;
-      Surface decoders = surface;
-      const bool edges_end_here = i % 2 == 0;
-      const Status status = decodePositions(decoders, map, parameters, edges_end_here, reader, decoded);
-      EXPECT_EQ(decoders.opposite.empty(), edges_end_here);
-      if (status) continue;
-      for (const Vec3& p : decoded) {
+      CodingStart start = codingStart(surface, map, parameters.order);
+      if (decodePositions(start.order, parameters, reader, start.states)) continue;
+      for (const Vec3& p : pointsOf(start.order, start.states)) {
         for (int a = 0; a < 3; ++a) ASSERT_LE(std::abs(p[a]), kCoordinateLimit);
       }
     }

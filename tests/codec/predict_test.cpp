@@ -144,7 +144,7 @@ TEST_F(ExpectedAnglesTest, KnownTrianglesLeaveTheRest) {
   std::uint32_t face = 0;
   for (std::uint32_t c = 0; c < surface_.corner_vertex.size(); ++c) {
     const bool gate = surface_.corner_vertex[nextCorner(c)] == 5 && surface_.corner_vertex[previousCorner(c)] == 6;
-    if (surface_.corner_vertex[c] == 10 && gate) face = c / 3;
+    if (surface_.corner_vertex[c] == 10 && gate) face = c - c % 3;
   }
   ASSERT_NE(face, 0u);
   const ExpectedAngles angles = expected(15, face, 6, true);

@@ -35,7 +35,7 @@ Found searched(const CodingOrder& order, std::uint32_t own) {
 
 void expectAsSearched(const CodingOrder& order, std::uint32_t count) {
   const Surface& surface = *order.surface;
-  std::vector<VertexState> states(count);
+  Buffer<VertexState> states(count);
   collectStencils(order, states);
   for (std::uint32_t t = 0; t < count; ++t) {
     const Stencils s(states[t], order.corner_time);
@@ -100,7 +100,7 @@ TEST(Stencil, OnAGrid) {
   std::iota(vertex_time.begin(), vertex_time.end(), 0);
   const PositionMap map = mapOf(surface, vertex_time, 16);
   const CodingOrder order = codingOrder(surface, map, Order::kTraversal);
-  std::vector<VertexState> states(16);
+  Buffer<VertexState> states(16);
   collectStencils(order, states);
   // In reading order vertex 5 has the gates 0-1 and 4-0; beyond both lies the border.
   const Stencils five(states[5], order.corner_time);
@@ -134,14 +134,14 @@ TEST(Stencil, KeepsTheFirst) {
   std::vector<std::uint32_t> vertex_time(surface.vertexCount());
   vertex_time[0] = dummy - 1;
   for (std::uint32_t v = 1; v < dummy; ++v) vertex_time[v] = v - 1;
-  std::vector<VertexState> states(dummy);
+  Buffer<VertexState> states(dummy);
   const PositionMap map = mapOf(surface, vertex_time, dummy);
   const CodingOrder order = codingOrder(surface, map, Order::kTraversal);
   collectStencils(order, states);
   const Stencils stencils(states[dummy - 1], order.corner_time);
   EXPECT_EQ(stencils.count, kMaxStencils);
   EXPECT_EQ(stencils.valence, static_cast<std::int32_t>(kRing));
-  for (std::uint32_t j = 0; j < kMaxStencils; ++j) EXPECT_EQ(stencils.face(j), 4 * j) << "faces in their order";
+  for (std::uint32_t j = 0; j < kMaxStencils; ++j) EXPECT_EQ(stencils.face(j), 3 * 4 * j) << "faces in their order";
 }
 
 TEST(Stencil, StatesSaturate) {
