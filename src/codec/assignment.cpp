@@ -216,8 +216,10 @@ Status emitFacesDirectly(AssignmentState<Direction>& state) {
   state.real_face_count = realFaces(state.surface);
   if (state.real_face_count > room) return tooManyFaces(state, room, state.real_face_count);
   Buffer<std::uint32_t>& indices = state.out.primitive_indices[0];
-  // Only side faces look at the surface again.
+  // Only side faces look at the surface again. Most often they are few, and find room.
   if (Direction::kWrites || state.real_face_count < room) {
+    indices.reserve(
+        std::max(state.surface.corner_vertex.size(), 3 * std::size_t{std::min(room, 2 * state.real_face_count)}));
     indices = state.surface.corner_vertex;
   } else if constexpr (!Direction::kWrites) {
     indices = std::move(state.surface.corner_vertex);

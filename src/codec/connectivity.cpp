@@ -51,9 +51,9 @@ class EncoderEvents {
   Tip tip(const Gate& gate, const Front& front) {
     const std::uint32_t corner = order_.corner.back();
     const std::uint32_t vertex = surface_.corner_vertex[corner];
-    const Tip tip = is_met_[vertex]             ? findNode(corner, front)
+    const Tip tip = is_met_[vertex]            ? findNode(corner, front)
                     : surface_.isDummy(vertex) ? newDummy(degree_[vertex])
-                                                : newVertex(degree_[vertex]);
+                                               : newVertex(degree_[vertex]);
     coder_.code(front, gate, tip);
     return tip;
   }
@@ -152,7 +152,7 @@ ConnectivityOrder encodeWith(const Surface& surface, EntropyWriter& writer, Surf
 }
 
 template <class Symbols, class Edges>
-Status decodeWith(EntropyReader& reader, const SurfaceCounts& counts, Edges edges, Surface& surface) {
+Status decodeWith(EntropyReader& reader, const SurfaceCounts& counts, const Edges& edges, Surface& surface) {
   // A turn may go one face too far before that is noticed.
   if (counts.faces >= kMaxSurfaceFaces) {
     return Error{ErrorCode::kInvalidCount, "connectivity", reader.position(), counts.faces, kMaxSurfaceFaces};

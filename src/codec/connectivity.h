@@ -24,9 +24,9 @@ struct ConnectivityOrder {
 /// umbrella, each face with three different vertices, at most one of them a dummy, as `cutToManifold` gives it.
 ConnectivityOrder encodeConnectivity(const Surface& surface, Effort effort, EntropyWriter& writer, Surface& decoded);
 
-/// Decodes a surface of exactly these counts, those of the header. Linear time; memory for 2^18 faces, of which only what is used is touched, then
-/// at most twice what the stream has given so far, whatever the header says.
-/// Errors: kTruncated, kInvalidSymbol, kInvalidCount.
+/// Decodes a surface of exactly these counts, those of the header. Linear time; memory for 2^18 faces, of which only
+/// what is used is touched, then at most twice what the stream has given so far, whatever the header says. Errors:
+/// kTruncated, kInvalidSymbol, kInvalidCount.
 [[nodiscard]] Status decodeConnectivity(EntropyReader& reader, Effort effort, const SurfaceCounts& counts,
                                         Surface& surface);
 

@@ -32,7 +32,10 @@ class SurfaceEdges {
   }
 
   static std::uint32_t facing(std::uint32_t corner, std::uint32_t) { return corner; }
-  void addVertex(std::uint32_t vertex, std::uint32_t corner, std::uint32_t) { surface_.vertex_corner[vertex] = corner; }
+  void addVertex(std::uint32_t vertex, std::uint32_t, std::uint32_t corner) { surface_.vertex_corner[vertex] = corner; }
+  void addTip(std::uint32_t vertex, std::uint32_t, std::uint32_t corner, std::uint32_t, std::uint32_t, std::uint32_t) {
+    surface_.vertex_corner[vertex] = corner;
+  }
   void addDummy(std::uint32_t corner) { dummy_corner_.push_back(corner); }
   void glue(std::uint32_t corner, std::uint32_t facing) {
     surface_.opposite[corner] = facing;
@@ -58,7 +61,14 @@ class StencilEdges {
   void finish() {}
 
   static std::uint32_t facing(std::uint32_t, std::uint32_t vertex) { return vertex; }
-  void addVertex(std::uint32_t vertex, std::uint32_t, std::uint32_t degree) { states_[vertex].uncoded.start(degree); }
+  void addVertex(std::uint32_t vertex, std::uint32_t degree, std::uint32_t) { states_[vertex].uncoded.start(degree); }
+  /// A new vertex and the face that it comes with.
+  TSC_ALWAYS_INLINE void addTip(std::uint32_t vertex, std::uint32_t degree, std::uint32_t face, std::uint32_t left,
+                                std::uint32_t right, std::uint32_t base) {
+    // What comes before is real, and what is not comes after.
+    const bool has_gate = std::max(left, right) < vertex;
+    states_[vertex].uncoded.start(degree, {has_gate ? face : kNone, base}, has_gate & (base < vertex));
+  }
   void addDummy(std::uint32_t) {}
   void glue(std::uint32_t, std::uint32_t) {}
   /// The number of its first corner, its vertices, and what faces the edge of the last two from the other side.

@@ -27,7 +27,7 @@ namespace tsc {
 class Front {
  public:
   struct alignas(32) Node {
-    std::uint32_t link[2] = {};      ///< along the loop: [0] previous, [1] next (of unused nodes: next unused one)
+    std::uint32_t link[2] = {};        ///< along the loop: [0] previous, [1] next (of unused nodes: next unused one)
     std::uint64_t identity = kUnused;  ///< count of nodes so far * 2^32 + number of the node; kUnused when not in use
     std::uint32_t free_valence = 0;
     std::uint32_t facing = 0;        ///< what faces the edge in the known face: a corner, or the vertex at it
@@ -58,7 +58,7 @@ class Front {
   }
 
   /// A new node outside any loop and outside the queues.
-  std::uint32_t add(std::uint32_t vertex, std::uint32_t degree_class, std::uint32_t free_valence) {
+  TSC_ALWAYS_INLINE std::uint32_t add(std::uint32_t vertex, std::uint32_t degree_class, std::uint32_t free_valence) {
     std::uint32_t node = unused_;
     if (node != kNoNode) [[likely]] {
       unused_ = nodes_[node].next();

@@ -34,8 +34,8 @@ void forVertices(std::span<const std::uint32_t> numbers, const Points& points, s
 }
 
 template <class T>
-Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t> numbers,
-                             const Points& points, std::span<std::byte> output) {
+Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t> numbers, const Points& points,
+                             std::span<std::byte> output) {
   const std::size_t stride = positionStride(header.position_type);
   std::fill(output.begin(), output.end(), std::byte{0});
   Status status;
@@ -51,8 +51,8 @@ Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t
   return status;
 }
 
-Status writeFloatPositions(const Header& header, std::span<const std::uint32_t> numbers,
-                           const Points& points, std::span<std::byte> output) {
+Status writeFloatPositions(const Header& header, std::span<const std::uint32_t> numbers, const Points& points,
+                           std::span<std::byte> output) {
   const Lattice lattice(header);
   double largest = 0;
   forVertices(numbers, points, output.size() / 12, [&](std::size_t i, const Vec3& q) {

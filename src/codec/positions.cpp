@@ -147,8 +147,7 @@ class PositionCoder {
     gather(parallelograms, arc.count, p);
     place(time, arc.list[0].face, stencils.valence, p);
     const ToLocal local(p.frame, tangent_);
-    const MixedFeatures features =
-        mixedFeatures({order_, states_, time}, arc, stencils.valence, local, tangent_);
+    const MixedFeatures features = mixedFeatures({order_, states_, time}, arc, stencils.valence, local, tangent_);
     p.offset = mixed_->offset(features, arc.count, stencils.valence);
     std::array<std::int32_t, 3> residual{};
     if constexpr (Direction::kWrites) residual = wantedResidual(p, target);
@@ -211,9 +210,8 @@ class PositionCoder {
   TSC_ALWAYS_INLINE void place(std::uint32_t time, std::uint32_t face, std::int32_t valence, Prediction& p) const {
     p.point = p.mean;
     if (parameters_.predictor < Predictor::kAverage) [[unlikely]] {
-      p.point = parameters_.predictor == Predictor::kParallelogram
-                    ? p.candidates[0]
-                    : weightedPoint(time, face, valence, p);
+      p.point =
+          parameters_.predictor == Predictor::kParallelogram ? p.candidates[0] : weightedPoint(time, face, valence, p);
     }
     if (tangent_) {
       p.frame = frameAt(parameters_.basis, p.left()->point, p.right()->point, p.base()->point, p.point);

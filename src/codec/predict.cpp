@@ -62,8 +62,8 @@ std::int64_t cotangentOf(std::int64_t angle) {
   return from_middle < 0 ? -magnitude : magnitude;
 }
 
-ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face,
-                              std::int32_t valence, bool use_known_angles) {
+ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face, std::int32_t valence,
+                              bool use_known_angles) {
   const CodingOrder& order = context.order;
   const std::span<const VertexState> states = context.states;
   const std::uint32_t* const times = order.corner_time.data() + face;

@@ -53,8 +53,8 @@ struct AngleContext {
   std::span<const VertexState> states;
 };
 /// For the vertex coded at `time`, which stands first in the stencil's `face`, as in Stencils.
-ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face,
-                              std::int32_t valence, bool use_known_angles);
+ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face, std::int32_t valence,
+                              bool use_known_angles);
 
 /// Eq. 2 with the weights of eq. 3 and 4. The parallelogram where the angles give no usable triangle.
 Vec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base, ExpectedAngles expected);

@@ -30,6 +30,10 @@ class UncodedState {
     entries_[0].face = kNone;
     entries_[kMaxStencils].base = valence;
   }
+  void start(std::uint32_t valence, const Stencil& first, bool is_complete) {
+    entries_[0] = first;
+    entries_[kMaxStencils].base = valence + (std::uint32_t{is_complete} << kCountShift);
+  }
   void addFace() { ++entries_[kMaxStencils].base; }
 
   /// A face whose gate is coded before. The first kMaxStencils that are `complete`, their bases being so too, are kept.
@@ -45,7 +49,8 @@ class UncodedState {
   std::int32_t valence() const {
     return static_cast<std::int32_t>(entries_[kMaxStencils].base & ((1u << kCountShift) - 1));
   }
-  /// The first is a face without a known base where there are no stencils, and kNone if there is none with a known gate.
+  /// The first is a face without a known base where there are no stencils, and kNone if there is none with a known
+  /// gate.
   const Stencil& operator[](std::size_t j) const { return entries_[j]; }
 
  private:
@@ -118,7 +123,8 @@ inline void collectStencils(const CodingOrder& order, std::span<VertexState> sta
   for (std::uint32_t face = 0; face < order.corner_time.size(); face += 3) {
     const std::uint32_t* const time = order.corner_time.data() + face;
     for (int k = 0; k < 3; ++k) {
-      if (time[k] < states.size()) [[likely]] states[time[k]].uncoded.addFace();
+      if (time[k] < states.size()) [[likely]]
+        states[time[k]].uncoded.addFace();
     }
     if (time[0] >= states.size() || time[0] <= std::max(time[1], time[2])) continue;
     const std::uint32_t base = order.timeAt(order.surface->opposite[order.firstCorner(face)]);

@@ -39,7 +39,7 @@ namespace tsc {
 template <class Events, class Edges>
 class Traversal {
  public:
-  Traversal(Events& events, Edges edges, Surface& surface, const SurfaceCounts& counts)
+  Traversal(Events& events, const Edges& edges, Surface& surface, const SurfaceCounts& counts)
       : events_(events), edges_(edges), surface_(surface), counts_(counts), corner_count_(3 * counts.faces) {}
 
   Status run() {
@@ -98,9 +98,20 @@ class Traversal {
 
   /// One more face, or two. False where the component is complete or the stream is wrong.
   bool takeTurn() {
-    if (const std::uint32_t node = front_.takeClosable(); node != Front::kNoNode) return close(node);
-    if (const std::uint32_t node = front_.takePivot(); node != Front::kNoNode) return extend(gateAt(front_, node));
-    return front_.empty() ? false : fail(ErrorCode::kInvalidCount);  // nothing but dummies
+    std::uint32_t node = front_.takeClosable();
+    if (node == Front::kNoNode) {
+      node = front_.takePivot();
+      if (node == Front::kNoNode)
+        return front_.empty() ? false : fail(ErrorCode::kInvalidCount);  // nothing but dummies
+      if (!extend(gateAt(front_, node))) return false;
+      if (front_[node].free_valence > 1) {
+        front_.decrementFreeValence(node);
+        return true;
+      }
+      // Most pivots have one free edge. These need not pass through the queue.
+      front_[node].free_valence = 0;
+    }
+    return close(node);
   }
 
   void setCorners(std::uint32_t base, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -115,20 +126,6 @@ class Traversal {
     events_.edge(node, corner);
   }
 
-  /// The caller has checked that one more is allowed.
-  std::uint32_t addVertex(std::uint32_t corner, std::uint32_t degree) {
-    edges_.addVertex(vertices_, corner, degree);
-    events_.vertex(vertices_, corner);
-    return vertices_++;
-  }
-
-  std::uint32_t addDummy(std::uint32_t corner) {
-    const std::uint32_t vertex = counts_.real_vertices + dummies_++;
-    edges_.addDummy(corner);
-    events_.vertex(vertex, corner);
-    return vertex;
-  }
-
   bool startComponent() {
     if (counts_.real_vertices - vertices_ < 3) return fail(ErrorCode::kInvalidCount);
     const std::uint32_t base = corners_;
@@ -138,7 +135,9 @@ class Traversal {
     if (std::min({degrees[0], degrees[1], degrees[2]}) < 2) return fail(ErrorCode::kInvalidSymbol);
     std::uint32_t nodes[3];
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t vertex = addVertex(base + k, degrees[k]);
+      const std::uint32_t vertex = vertices_++;
+      edges_.addVertex(vertex, degrees[k], base + k);
+      events_.vertex(vertex, base + k);
       surface_.corner_vertex[base + k] = vertex;
       nodes[k] = front_.add(vertex, degreeClass(degrees[k]), degrees[k] - 2);
       front_.enterQueue(nodes[k]);
@@ -171,15 +170,15 @@ class Traversal {
     const std::uint32_t base = corners_;
     const std::uint32_t at_left = base + turn, at_middle = base + 1 + turn, at_right = base + 2 - 2 * turn;
     corners_ += 3;
-    const std::uint32_t gate = turn != 0 ? left.facing : middle.facing;
+    const std::uint32_t gate = middle.facing ^ ((middle.facing ^ left.facing) & (0 - turn));
     events_.face(gate);
     surface_.corner_vertex[at_left] = left.vertex;
     surface_.corner_vertex[at_middle] = middle.vertex;
     surface_.corner_vertex[at_right] = right.vertex;
     edges_.glue(at_left, middle.facing);
     edges_.glue(at_right, left.facing);
-    const auto [older, newer] = std::minmax(left.vertex, right.vertex);
-    edges_.addFace(base, newer, older, middle.vertex, gate);
+    const std::uint32_t newer = std::max(left.vertex, right.vertex);
+    edges_.addFace(base, newer, left.vertex ^ right.vertex ^ newer, middle.vertex, gate);
     if (is_last) [[unlikely]] {
       edges_.glue(at_middle, right.facing);
       front_.remove(before);
@@ -194,7 +193,8 @@ class Traversal {
     return true;
   }
 
-  /// The face on the gate, where no free valence is 0: its tip is new or on the front.
+  /// The face on the gate, where no free valence is 0: its tip is new or on the front. The pivot's edge is the
+  /// caller's.
   bool extend(const Gate& gate) {
     const std::uint32_t start = gate.start();
     const std::uint32_t end = gate.end();
@@ -203,33 +203,37 @@ class Traversal {
     events_.face(front_[start].facing);
     const Tip tip = events_.tip(gate, front_);
 
+    const std::uint32_t left = front_[start].vertex, right = front_[end].vertex, facing = front_[start].facing;
     std::uint32_t before_end = 0;  // the node whose edge becomes tip -> end
+    std::uint32_t vertex = 0;      // the tip
     if (tip.is_split) [[unlikely]] {
       before_end = split(start, end, tip.node, tip.right_valence);
       if (before_end == Front::kNoNode) return fail(ErrorCode::kInvalidSymbol);
+      vertex = front_[before_end].vertex;
+      edges_.addFace(base, vertex, left, right, facing);
     } else {
-      const bool is_dummy = tip.degree_class == Front::kDummyClass;
-      if (is_dummy ? dummies_ == counts_.dummies : vertices_ == counts_.real_vertices) [[unlikely]] {
-        return fail(ErrorCode::kInvalidCount);
+      if (tip.degree_class == Front::kDummyClass) [[unlikely]] {
+        if (dummies_ == counts_.dummies) return fail(ErrorCode::kInvalidCount);
+        vertex = counts_.real_vertices + dummies_++;
+        edges_.addDummy(base);
+      } else {
+        if (vertices_ == counts_.real_vertices) [[unlikely]]
+          return fail(ErrorCode::kInvalidCount);
+        vertex = vertices_++;
+        edges_.addTip(vertex, tip.degree, base, left, right, facing);
       }
-      before_end = front_.add(is_dummy ? addDummy(base) : addVertex(base, tip.degree), tip.degree_class, tip.degree - 2);
+      events_.vertex(vertex, base);
+      before_end = front_.add(vertex, tip.degree_class, tip.degree - 2);
       front_.link(start, before_end);
     }
     front_.link(before_end, end);
 
-    setCorners(base, front_[before_end].vertex, front_[start].vertex, front_[end].vertex);
-    edges_.glue(base, front_[start].facing);
-    edges_.addFace(base, front_[before_end].vertex, front_[start].vertex, front_[end].vertex, front_[start].facing);
-    setEdge(start, base + 2, front_[end].vertex, front_[end].degree_class);
-    setEdge(before_end, base + 1, front_[start].vertex, front_[start].degree_class);
+    setCorners(base, vertex, left, right);
+    edges_.glue(base, facing);
+    setEdge(start, base + 2, right, front_[end].degree_class);
+    setEdge(before_end, base + 1, left, front_[start].degree_class);
     front_.decrementFreeValence(gate.other);
     front_.enterQueue(before_end);
-    // Most pivots have one free edge. These need not pass through the queue.
-    if (front_[gate.pivot].free_valence == 1) {
-      front_[gate.pivot].free_valence = 0;
-      return close(gate.pivot);
-    }
-    front_.decrementFreeValence(gate.pivot);
     return true;
   }
 

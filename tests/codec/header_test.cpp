@@ -54,8 +54,15 @@ ErrorCode errorOf(const Bytes& bytes) {
 // primitive; 3 vertices; table 0 with 2-byte indices, 1 face; as many surface vertices and 1 dummy; 4 vertices - 4 / 2
 // faces (zigzag 4).
 TEST(Header, ByHand) {
-  const std::uint8_t expected[] = {0, 3 << 2, 5 | 1 << 5 | 1 << 7, 0, 0, 0x80, 0x3e, 0, 0, 0x80, 0x3f, 0, 0, 0,
-                                   0x40, 0, 0, 0x40, 0x40, 1, 1, 3, 1, 1, 0, 1, 4};
+  const std::uint8_t expected[] = {0,    3 << 2, 5 | 1 << 5 | 1 << 7,
+                                   0,    0,      0x80,
+                                   0x3e, 0,      0,
+                                   0x80, 0x3f,   0,
+                                   0,    0,      0x40,
+                                   0,    0,      0x40,
+                                   0x40, 1,      1,
+                                   3,    1,      1,
+                                   0,    1,      4};
   const Bytes bytes = written(smallHeader());
   ASSERT_EQ(bytes.size(), std::size(expected));
   for (std::size_t i = 0; i < bytes.size(); ++i) EXPECT_EQ(static_cast<std::uint8_t>(bytes[i]), expected[i]) << i;

@@ -68,8 +68,8 @@ PositionMap repeatingMap(const Surface& surface) {
   for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
     const bool repeats = v % 3 == 2 && v > 8;
     map.vertex_position.push_back(surface.isDummy(v) ? kNone
-                                  : repeats           ? map.vertex_position[v - 6]
-                                                      : map.position_count++);
+                                  : repeats          ? map.vertex_position[v - 6]
+                                                     : map.position_count++);
   }
   return map;
 }

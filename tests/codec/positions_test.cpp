@@ -122,8 +122,8 @@ TEST(Positions, APlaneThatMeetsItsLatticeIsNearlyFree) {
   for (const PositionParameters& parameters : allParameters()) {
     if (parameters.predictor == Predictor::kWeighted || parameters.predictor == Predictor::kValence) continue;
     EntropyWriter writer;
-    encodePositions(codingStart(surface, map, parameters.order), parameters, inSteps(target, parameters),
-                    writer, nullptr);
+    encodePositions(codingStart(surface, map, parameters.order), parameters, inSteps(target, parameters), writer,
+                    nullptr);
     // Coded row by row, each row starts with two positions that have no parallelogram.
     const double most = parameters.order == Order::kTraversal ? 2 : 1;
     EXPECT_LT(writer.bitsSince(0) / 1600, most) << static_cast<int>(parameters.predictor);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
-
 #include <random>
 
 #include "surface_builders.h"
