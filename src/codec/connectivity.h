@@ -11,7 +11,8 @@ namespace tsc {
 
 // In the decoded numbering, a component's first face holds its first three vertices, all real, at its corners. Every
 // later face has its gate's corners at 1 and 2, so `opposite` of its corner 0 lies in a face known before; a vertex
-// that is new with it stands at corner 0, and that is its `vertex_corner`.
+// that is new with it stands at corner 0, and that is its `vertex_corner`. A face that is closed between two known ones
+// has the newer end of the edge that it leaves open at corner 0.
 
 /// What the encoder learns about the decoder's numbering.
 struct ConnectivityOrder {

@@ -74,7 +74,7 @@ void visitByDegree(const Surface& surface, Visit&& visit) {
 
 /// When each position is coded. Refers to the surface and the map that it was made of.
 struct CodingOrder {
-  const Surface* surface;
+  const Surface* surface = nullptr;
   /// For each face the times of the positions at its corners, later than all for dummies. They stand as in the surface
   /// where vertices are numbered by time, and otherwise turned so that the last comes first.
   std::span<const std::uint32_t> corner_time;
