@@ -17,7 +17,7 @@ struct ArcStencil {
   std::uint32_t right;
   std::uint32_t base;
   std::uint32_t base_corner;
-  std::uint32_t corner;  ///< as in Stencils
+  std::uint32_t face;  ///< as in Stencils
 };
 
 struct Arc {
@@ -27,14 +27,14 @@ struct Arc {
 
 /// The stencils, chained where one's `right` is another's `left`: first one that follows no other, then each time the
 /// one that follows, or the first that is left.
-inline Arc arcOf(const Surface& surface, std::span<const std::uint32_t> corner_time, const Stencils& stencils) {
+inline Arc arcOf(const CodingOrder& order, const Stencils& stencils) {
   Arc arc;
   arc.count = stencils.count;
   const auto count = static_cast<std::size_t>(arc.count);
   for (std::size_t j = 0; j < count; ++j) {
-    const std::uint32_t corner = stencils.corner[j];
-    const Parallelogram p = parallelogramAt(surface, corner_time, corner);
-    arc.list[j] = {p.left, p.right, p.base, surface.opposite[3 * (corner >> 2) + (corner & 3)], corner};
+    const Parallelogram p = stencils[j];
+    const std::uint32_t face = stencils.face(j);
+    arc.list[j] = {p.left, p.right, p.base, order.surface->opposite[order.firstCorner(face)], face};
   }
   for (std::size_t j = 0; j < count; ++j) {
     std::size_t next = j;
@@ -53,11 +53,11 @@ struct Wings {
   std::uint32_t left;
   std::uint32_t right;
 };
-inline Wings wingsOf(const Surface& surface, std::span<const std::uint32_t> corner_time, const ArcStencil& s) {
+inline Wings wingsOf(const CodingOrder& order, const ArcStencil& s) {
   // The gate runs from left to right in the vertex's face, and so from right to left in the base triangle.
   const std::uint32_t at_right = nextCorner(s.base_corner);
   const std::uint32_t at_left = previousCorner(s.base_corner);
-  return {corner_time[surface.opposite[at_right]], corner_time[surface.opposite[at_left]]};
+  return {order.timeAt(order.surface->opposite[at_right]), order.timeAt(order.surface->opposite[at_left])};
 }
 
 }  // namespace tsc

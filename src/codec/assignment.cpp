@@ -142,7 +142,7 @@ Status findRealFaces(AssignmentState<Direction>& state) {
   state.face_primitive.resize(face_count);
   for (std::uint32_t f = 0; f < face_count; ++f) {
     const std::uint32_t* corner = &surface.corner_vertex[3 * std::size_t{f}];
-    const bool dummy = (surface.is_dummy[corner[0]] | surface.is_dummy[corner[1]] | surface.is_dummy[corner[2]]) != 0;
+    const bool dummy = surface.isDummy(std::max({corner[0], corner[1], corner[2]}));
     state.face_primitive[f] = dummy ? kNone : 0;
     state.real_face_count += !dummy;
   }
@@ -199,37 +199,42 @@ void emitFaces(AssignmentState<Direction>& state) {
   if (primitive_count == 1) state.unused_faces[0] -= state.real_face_count;
 }
 
+std::uint32_t realFaces(const Surface& surface) {
+  if (surface.dummy_count == 0) return surface.faceCount();
+  std::uint32_t count = 0;
+  for (std::size_t c = 0; c < surface.corner_vertex.size(); c += 3) {
+    const std::uint32_t* corner = &surface.corner_vertex[c];
+    count += !surface.isDummy(std::max({corner[0], corner[1], corner[2]}));
+  }
+  return count;
+}
+
 /// `emitFaces` for one primitive and one vertex per position, the common case that decoding should not notice.
 template <class Direction>
 Status emitFacesDirectly(AssignmentState<Direction>& state) {
-  auto& corner_vertex = state.surface.corner_vertex;
-  const std::uint32_t face_count = state.surface.faceCount(), room = state.counts.primitive_face_count[0];
-  std::vector<std::uint32_t>& indices = state.out.primitive_indices[0];
-  if (state.map.position_count == state.surface.vertexCount()) {
-    // No dummies, no references: vertices and positions have the same numbers.
-    if (face_count > room) return tooManyFaces(state, room, face_count);
-    state.real_face_count = face_count;
-    if constexpr (!Direction::kWrites) {
-      // Only side faces look at the surface again.
-      if (face_count == room) {
-        indices = std::move(corner_vertex);
-        return {};
-      }
-    }
-    indices = corner_vertex;
-  } else {
-    indices.resize(corner_vertex.size());
+  const std::uint32_t room = state.counts.primitive_face_count[0];
+  state.real_face_count = realFaces(state.surface);
+  if (state.real_face_count > room) return tooManyFaces(state, room, state.real_face_count);
+  Buffer<std::uint32_t>& indices = state.out.primitive_indices[0];
+  // Only side faces look at the surface again. Most often they are few, and find room.
+  if (Direction::kWrites || state.real_face_count < room) {
+    indices.reserve(
+        std::max(state.surface.corner_vertex.size(), 3 * std::size_t{std::min(room, 2 * state.real_face_count)}));
+    indices = state.surface.corner_vertex;
+  } else if constexpr (!Direction::kWrites) {
+    indices = std::move(state.surface.corner_vertex);
+  }
+  if (!state.map.isIdentity() || state.surface.dummy_count > 0) {
     std::uint32_t* to = indices.data();
-    for (std::size_t c = 0; c < corner_vertex.size(); c += 3) {
-      for (std::size_t k = 0; k < 3; ++k) to[k] = state.map.positionOf(corner_vertex[c + k]);
+    for (std::size_t c = 0; c < indices.size(); c += 3) {
+      for (std::size_t k = 0; k < 3; ++k) to[k] = state.map.positionOf(indices[c + k]);
       // Faces with dummies are overwritten by the next.
-      if (std::max({to[0], to[1], to[2]}) != kNone) to += 3;
+      if (std::max({to[0], to[1], to[2]}) < state.map.position_count) to += 3;
     }
-    indices.resize(static_cast<std::size_t>(to - indices.data()));
-    state.real_face_count = static_cast<std::uint32_t>(indices.size() / 3);
-    if (state.real_face_count > room) return tooManyFaces(state, room, state.real_face_count);
+    indices.resize(3 * std::size_t{state.real_face_count});
   }
   if constexpr (Direction::kWrites) {
+    const std::uint32_t face_count = state.surface.faceCount();
     for (std::uint32_t f = 0; f < face_count; ++f) {
       if (state.input->face_primitive[f] != kNone) state.order->triangle[0].push_back(3 * f);
     }

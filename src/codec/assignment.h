@@ -26,8 +26,8 @@ struct Assignment {
   };
   /// Per table: position number of each vertex. Empty with one vertex per position, where the numbers are the same.
   std::vector<std::vector<std::uint32_t>> table_position;
-  std::vector<std::vector<std::uint32_t>> primitive_indices;  ///< per primitive: 3 table vertices a face; surface faces
-                                                              ///< in their order, then side faces
+  std::vector<Buffer<std::uint32_t>> primitive_indices;  ///< per primitive: 3 table vertices a face; surface faces in
+                                                         ///< their order, then side faces
   std::uint32_t position_count = 0;  ///< the surface's, and those that only side faces and unused vertices have
 };
 

@@ -21,7 +21,7 @@ class Trials {
     Trial trial;
     trial.parameters = parameters;
     trial.position_count = std::min(count, input_.map.position_count);
-    const double squares = encodePositions(input_.surface, startFor(parameters.order), parameters, targets_,
+    const double squares = encodePositions(startFor(parameters.order), parameters, targets_,
                                            trial.writer, keeps_result ? &trial.decoded : nullptr, count);
     trial.bits = trial.writer.bitsSince(0);
     trial.squared_error = std::ldexp(squares, -2 * parameters.fine_bits);

@@ -4,6 +4,7 @@
 // Both directions run the same `Traversal` and the same `TipCoder`; what only one of them knows stands here.
 #include "connectivity.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -29,7 +30,7 @@ class EncoderEvents {
         is_known_(surface.faceCount(), 0),
         corner_node_(surface.corner_vertex.size(), kNone) {
     for (const std::uint32_t vertex : surface.corner_vertex) ++degree_[vertex];
-    order_.vertex.reserve(surface.vertexCount());
+    order_.vertex.resize(surface.vertexCount());
     order_.corner.reserve(surface.faceCount());
   }
 
@@ -50,16 +51,16 @@ class EncoderEvents {
   Tip tip(const Gate& gate, const Front& front) {
     const std::uint32_t corner = order_.corner.back();
     const std::uint32_t vertex = surface_.corner_vertex[corner];
-    const Tip tip = is_met_[vertex]             ? findNode(corner, front)
-                    : surface_.is_dummy[vertex] ? newDummy(degree_[vertex])
-                                                : newVertex(degree_[vertex]);
+    const Tip tip = is_met_[vertex]            ? findNode(corner, front)
+                    : surface_.isDummy(vertex) ? newDummy(degree_[vertex])
+                                               : newVertex(degree_[vertex]);
     coder_.code(front, gate, tip);
     return tip;
   }
 
-  void vertex(std::uint32_t corner) {
-    order_.vertex.push_back(surface_.corner_vertex[input(corner)]);
-    is_met_[order_.vertex.back()] = 1;
+  void vertex(std::uint32_t vertex, std::uint32_t corner) {
+    order_.vertex[vertex] = surface_.corner_vertex[input(corner)];
+    is_met_[order_.vertex[vertex]] = 1;
   }
 
   void edge(std::uint32_t node, std::uint32_t corner) { corner_node_[input(corner)] = node; }
@@ -75,7 +76,7 @@ class EncoderEvents {
 
   bool touchesDummy(std::uint32_t face) const {
     const std::uint32_t* v = &surface_.corner_vertex[std::size_t{3} * face];
-    return surface_.is_dummy[v[0]] || surface_.is_dummy[v[1]] || surface_.is_dummy[v[2]];
+    return surface_.isDummy(std::max({v[0], v[1], v[2]}));
   }
 
   void addFace(std::uint32_t first_corner) {
@@ -130,7 +131,7 @@ class DecoderEvents {
   }
   void face(std::uint32_t) {}
   Tip tip(const Gate& gate, const Front& front) { return coder_.code(front, gate, kUnknown); }
-  void vertex(std::uint32_t) {}
+  void vertex(std::uint32_t, std::uint32_t) {}
   void edge(std::uint32_t, std::uint32_t) {}
   bool failed() const { return reader_.overrun(); }
 
@@ -144,16 +145,22 @@ class DecoderEvents {
 template <class Symbols>
 ConnectivityOrder encodeWith(const Surface& surface, EntropyWriter& writer, Surface& decoded) {
   EncoderEvents<Symbols> events(surface, writer);
-  Traversal traversal(events, decoded, surface.faceCount(), surface.vertexCount());
+  Traversal traversal(events, SurfaceEdges(decoded, surface.counts()), decoded, surface.counts());
   // Every surface that keeps its invariants can be coded.
   [[maybe_unused]] const Status status = traversal.run();
   return events.takeOrder();
 }
 
-template <class Symbols>
-Status decodeWith(EntropyReader& reader, std::uint32_t face_count, std::uint32_t vertex_count, Surface& surface) {
-  DecoderEvents<Symbols> events(reader, vertex_count);
-  return Traversal(events, surface, face_count, vertex_count).run();
+template <class Symbols, class Edges>
+Status decodeWith(EntropyReader& reader, const SurfaceCounts& counts, const Edges& edges, Surface& surface) {
+  // A turn may go one face too far before that is noticed.
+  if (counts.faces >= kMaxSurfaceFaces) {
+    return Error{ErrorCode::kInvalidCount, "connectivity", reader.position(), counts.faces, kMaxSurfaceFaces};
+  }
+  DecoderEvents<Symbols> events(reader, counts.vertices());
+  Status status = Traversal(events, edges, surface, counts).run();
+  if (status) status->byte_offset = reader.position();
+  return status;
 }
 
 }  // namespace
@@ -163,16 +170,15 @@ ConnectivityOrder encodeConnectivity(const Surface& surface, Effort effort, Entr
                                 : encodeWith<AveragedTips>(surface, writer, decoded);
 }
 
-Status decodeConnectivity(EntropyReader& reader, Effort effort, std::uint32_t face_count, std::uint32_t vertex_count,
-                          Surface& surface) {
-  // A turn may go one face too far before that is noticed.
-  if (face_count >= kMaxSurfaceFaces) {
-    return Error{ErrorCode::kInvalidCount, "connectivity", 0, face_count, kMaxSurfaceFaces};
-  }
-  Status status = effort == Effort::kMax ? decodeWith<MixedTips>(reader, face_count, vertex_count, surface)
-                                         : decodeWith<AveragedTips>(reader, face_count, vertex_count, surface);
-  if (status) status->byte_offset = reader.position();
-  return status;
+Status decodeConnectivity(EntropyReader& reader, Effort effort, const SurfaceCounts& counts, Surface& surface) {
+  const SurfaceEdges edges(surface, counts);
+  return effort == Effort::kMax ? decodeWith<MixedTips>(reader, counts, edges, surface)
+                                : decodeWith<AveragedTips>(reader, counts, edges, surface);
+}
+
+Status decodeConnectivity(EntropyReader& reader, const SurfaceCounts& counts, Surface& surface,
+                          Buffer<VertexState>& states) {
+  return decodeWith<AveragedTips>(reader, counts, StencilEdges(states, counts), surface);
 }
 
 }  // namespace tsc

@@ -1,7 +1,9 @@
 // Connectivity: the surface as vertex degrees, split and merge events (BITSTREAM.md, section 5).
 #pragma once
 
+#include "buffer.h"
 #include "entropy.h"
+#include "stencil.h"
 #include "surface.h"
 #include "tsc/codec.h"
 
@@ -9,7 +11,8 @@ namespace tsc {
 
 // In the decoded numbering, a component's first face holds its first three vertices, all real, at its corners. Every
 // later face has its gate's corners at 1 and 2, so `opposite` of its corner 0 lies in a face known before; a vertex
-// that is new with it stands at corner 0, and that is its `vertex_corner`.
+// that is new with it stands at corner 0, and that is its `vertex_corner`. A face that is closed between two known ones
+// has the newer end of the edge that it leaves open at corner 0.
 
 /// What the encoder learns about the decoder's numbering.
 struct ConnectivityOrder {
@@ -22,11 +25,15 @@ struct ConnectivityOrder {
 /// umbrella, each face with three different vertices, at most one of them a dummy, as `cutToManifold` gives it.
 ConnectivityOrder encodeConnectivity(const Surface& surface, Effort effort, EntropyWriter& writer, Surface& decoded);
 
-/// Decodes a surface of exactly `face_count` faces (dummy ones included) and `vertex_count` vertices (dummies
-/// included), the counts of the header. Linear time; memory for 2^18 faces, of which only what is used is touched, then
-/// at most twice what the stream has given so far, whatever the header says.
-/// Errors: kTruncated, kInvalidSymbol, kInvalidCount.
-[[nodiscard]] Status decodeConnectivity(EntropyReader& reader, Effort effort, std::uint32_t face_count,
-                                        std::uint32_t vertex_count, Surface& surface);
+/// Decodes a surface of exactly these counts, those of the header. Linear time; memory for 2^18 faces, of which only
+/// what is used is touched, then at most twice what the stream has given so far, whatever the header says. Errors:
+/// kTruncated, kInvalidSymbol, kInvalidCount.
+[[nodiscard]] Status decodeConnectivity(EntropyReader& reader, Effort effort, const SurfaceCounts& counts,
+                                        Surface& surface);
+
+/// The same at effort default without the surface's edges, `opposite` and `vertex_corner`: enters into `states` the
+/// stencils that `collectStencils` would find, for positions that are coded in the order of the vertices.
+[[nodiscard]] Status decodeConnectivity(EntropyReader& reader, const SurfaceCounts& counts, Surface& surface,
+                                        Buffer<VertexState>& states);
 
 }  // namespace tsc

@@ -74,8 +74,7 @@ class CornerCoder {
   Status run() {
     state_.corner_id.assign(surface_.corner_vertex.size(), kNone);
     if (!state_.positions.empty()) findNormals();
-    for (std::uint32_t v = 0; v < surface_.vertexCount(); ++v) {
-      if (surface_.is_dummy[v]) continue;
+    for (std::uint32_t v = 0; v < surface_.real_count; ++v) {
       if (state_.direction.overrun()) return state_.truncated("corners");
       collectFan(v);
       if (fan_.corners.empty()) continue;

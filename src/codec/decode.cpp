@@ -12,24 +12,60 @@
 namespace tsc {
 namespace {
 
-Status decodePayload(const Header& header, EntropyReader& reader, Assignment& assignment,
-                     std::vector<Vec3>& positions) {
-  Surface surface;
-  if (Status s = decodeConnectivity(reader, header.positions.effort, header.surface_face_count,
-                                    header.surface_vertex_count, surface)) {
+/// What the payload holds.
+struct Payload {
+  Assignment assignment;
+  Buffer<VertexState> states;   ///< of the surface's positions, where only the outputs need these
+  std::vector<Vec3> positions;  ///< the others
+};
+
+bool needEdges(const PositionParameters& p) { return p.effort == Effort::kMax || p.predictor == Predictor::kWeighted; }
+
+void forgetEdges(Surface& surface) {
+  surface.opposite = Buffer<std::uint32_t>();
+  surface.vertex_corner = Buffer<std::uint32_t>();
+}
+
+/// The surface and its positions.
+Status decodeSurface(const Header& header, EntropyReader& reader, Surface& surface, PositionMap& map,
+                     Payload& payload) {
+  const PositionParameters& parameters = header.positions;
+  // Then nothing after the positions needs edges, nor a position but for its place in the output.
+  const bool ends_here = header.counts.one_vertex_per_position && header.counts.primitive_face_count.size() == 1 &&
+                         parameters.order == Order::kTraversal;
+  const bool has_edges = !ends_here || needEdges(parameters) || header.has_references;
+  if (Status s = has_edges ? decodeConnectivity(reader, parameters.effort, header.surface, surface)
+                           : decodeConnectivity(reader, header.surface, surface, payload.states)) {
     return s;
   }
-  PositionMap map;
   if (Status s = decodeReferences(surface, header.has_references, reader, map)) return s;
-  const bool edges_end_here = header.counts.one_vertex_per_position && header.counts.primitive_face_count.size() == 1;
-  if (edges_end_here && header.positions.order == Order::kTraversal) {
-    surface.vertex_corner = std::vector<std::uint32_t>();  // not needed again
+  const CodingOrder order = codingOrder(surface, map, parameters.order);
+  if (has_edges) {
+    payload.states.resize(map.position_count);
+    collectStencils(order, payload.states);
+    if (ends_here && !needEdges(parameters)) forgetEdges(surface);
   }
-  if (Status s = decodePositions(surface, map, header.positions, edges_end_here, reader, positions)) return s;
-  if (Status s = decodeAssignment(std::move(surface), map, positions, header.counts, reader, assignment)) return s;
-  positions.resize(assignment.position_count);
+  if (Status s = decodePositions(order, parameters, reader, payload.states)) return s;
+  if (ends_here) {
+    forgetEdges(surface);
+  } else {
+    payload.positions = pointsOf(order, payload.states);
+    payload.states = Buffer<VertexState>();
+  }
+  return {};
+}
+
+Status decodePayload(const Header& header, EntropyReader& reader, Payload& payload) {
+  Surface surface;
+  PositionMap map;
+  if (Status s = decodeSurface(header, reader, surface, map, payload)) return s;
+  Assignment& assignment = payload.assignment;
+  if (Status s = decodeAssignment(std::move(surface), map, payload.positions, header.counts, reader, assignment)) {
+    return s;
+  }
+  payload.positions.resize(assignment.position_count - payload.states.size());
   return decodeExtraPositions(reader, extraPositionBits(header.positions),
-                              std::span(positions).subspan(map.position_count));
+                              std::span(payload.positions).last(assignment.position_count - map.position_count));
 }
 
 Status checkOutputs(std::span<const OutputInfo> infos, std::span<const std::span<std::byte>> outputs) {
@@ -46,8 +82,8 @@ Status checkOutputs(std::span<const OutputInfo> infos, std::span<const std::span
   return {};
 }
 
-/// All stages. `provide` gives the arrays when the payload has been decoded, and so holds as much as the header claims;
-/// `known` are the same arrays where the caller has them already.
+/// All stages. `provide` gives the array of an output. It is first called when the payload has been decoded, and so
+/// holds as much as the header claims, and for each output when those before it are complete.
 template <class Provide>
 Status decodeStream(std::span<const std::byte> stream, const DecodeLimits& limits, Provide&& provide,
                     std::optional<std::span<const std::span<std::byte>>> known) {
@@ -59,9 +95,8 @@ Status decodeStream(std::span<const std::byte> stream, const DecodeLimits& limit
     if (Status s = checkOutputs(infos, *known)) return s;
   }
   EntropyReader reader(stream.subspan(header_size));
-  Assignment assignment;
-  std::vector<Vec3> positions;
-  if (Status s = decodePayload(header, reader, assignment, positions)) {
+  Payload payload;
+  if (Status s = decodePayload(header, reader, payload)) {
     s->byte_offset = header_size + reader.position();
     return s;
   }
@@ -70,10 +105,21 @@ Status decodeStream(std::span<const std::byte> stream, const DecodeLimits& limit
                  header_size + reader.position(), static_cast<std::int64_t>(stream.size()),
                  static_cast<std::int64_t>(header_size + reader.position())};
   }
-  const std::span<const std::span<std::byte>> outputs = provide(infos);
-  if (Status s = writeOutputs(header, assignment, positions, outputs)) {
-    s->byte_offset = stream.size();
-    return s;
+  std::vector<std::span<std::byte>> outputs;
+  for (const std::vector<std::uint32_t>& numbers : payload.assignment.table_position) {
+    outputs.push_back(provide(infos[outputs.size()]));
+    if (Status s = writePositions(header, numbers, {payload.states, payload.positions}, outputs.back())) {
+      s->byte_offset = stream.size();
+      return s;
+    }
+  }
+  payload.states = Buffer<VertexState>();
+  payload.positions = std::vector<Vec3>();
+  for (Buffer<std::uint32_t>& indices : payload.assignment.primitive_indices) {
+    const OutputInfo& info = infos[outputs.size()];
+    outputs.push_back(provide(info));
+    writeIndices(info.type, indices, outputs.back());
+    indices = Buffer<std::uint32_t>();
   }
   const std::uint32_t expected = checksumOf(stream.first(header_size), outputs);
   if (reader.state() != finalState(expected)) {
@@ -99,17 +145,15 @@ Result<StreamInfo> readStreamInfo(std::span<const std::byte> stream, const Decod
 
 Status decode(std::span<const std::byte> stream, std::span<const std::span<std::byte>> outputs,
               const DecodeLimits& limits) {
+  std::size_t next = 0;
   return decodeStream(
-      stream, limits, [&](std::span<const OutputInfo>) { return outputs; }, outputs);
+      stream, limits, [&](const OutputInfo&) { return outputs[next++]; }, outputs);
 }
 
 Result<std::vector<std::vector<std::byte>>> decode(std::span<const std::byte> stream, const DecodeLimits& limits) {
   std::vector<std::vector<std::byte>> outputs;
-  std::vector<std::span<std::byte>> spans;
-  const auto allocate = [&](std::span<const OutputInfo> infos) {
-    for (const OutputInfo& info : infos)
-      spans.emplace_back(outputs.emplace_back(static_cast<std::size_t>(info.byte_length)));
-    return std::span<const std::span<std::byte>>(spans);
+  const auto allocate = [&](const OutputInfo& info) {
+    return std::span(outputs.emplace_back(static_cast<std::size_t>(info.byte_length)));
   };
   if (Status s = decodeStream(stream, limits, allocate, {})) return *s;
   return outputs;

@@ -226,9 +226,7 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
   }
 
   std::size_t mark = writer.mark();
-  std::uint32_t real_vertices = 0;
-  for (const std::uint8_t dummy : prepared.surface.is_dummy) real_vertices += !dummy;
-  header.has_references = prepared.map.position_count < real_vertices;
+  header.has_references = !prepared.map.isIdentity();
   encodeReferences(prepared.surface, prepared.map, header.has_references, writer);
   result.bits.references = writer.bitsSince(mark);
 
@@ -255,8 +253,7 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
                        std::span(positions).subspan(prepared.map.position_count));
   result.bits.side_faces = writer.bitsSince(mark);
 
-  header.surface_vertex_count = prepared.surface.vertexCount();
-  header.surface_face_count = prepared.surface.faceCount();
+  header.surface = prepared.surface.counts();
   for (const Primitive& primitive : mesh.primitives) header.index_types.push_back(primitive.index_type);
   writeHeader(header, result.bytes);
   result.bits.header = 8.0 * static_cast<double>(result.bytes.size());
@@ -267,7 +264,7 @@ Result<EncodeResult> encode(const Mesh& mesh, const EncodeOptions& options) {
     outputs.emplace_back(static_cast<std::size_t>(info.byte_length));
     spans.emplace_back(outputs.back());
   }
-  if (Status s = writeOutputs(header, assignment, positions, spans)) return *s;
+  if (Status s = writeOutputs(header, assignment, {{}, positions}, spans)) return *s;
   writer.finish(checksumOf(result.bytes, spans), result.bytes);
 
   // The proof that the decoder agrees: same numbers, or no result.

@@ -27,12 +27,12 @@ namespace tsc {
 class Front {
  public:
   struct alignas(32) Node {
-    std::uint32_t link[2] = {};      ///< along the loop: [0] previous, [1] next (of unused nodes: next unused one)
+    std::uint32_t link[2] = {};        ///< along the loop: [0] previous, [1] next (of unused nodes: next unused one)
     std::uint64_t identity = kUnused;  ///< count of nodes so far * 2^32 + number of the node; kUnused when not in use
     std::uint32_t free_valence = 0;
-    std::uint32_t corner = 0;        ///< corner of the known face that faces the edge
+    std::uint32_t facing = 0;        ///< what faces the edge in the known face: a corner, or the vertex at it
     std::uint16_t degree_class = 0;  ///< of the vertex: min(degree, 15) - 1; kDummyClass for dummies
-    std::uint16_t facing_class = 0;  ///< degree class of the vertex at `corner`
+    std::uint16_t facing_class = 0;  ///< degree class of the vertex that faces the edge
     std::uint32_t vertex = 0;
     std::uint32_t previous() const { return link[0]; }
     std::uint32_t next() const { return link[1]; }
@@ -58,7 +58,7 @@ class Front {
   }
 
   /// A new node outside any loop and outside the queues.
-  std::uint32_t add(std::uint32_t vertex, std::uint32_t degree_class, std::uint32_t free_valence) {
+  TSC_ALWAYS_INLINE std::uint32_t add(std::uint32_t vertex, std::uint32_t degree_class, std::uint32_t free_valence) {
     std::uint32_t node = unused_;
     if (node != kNoNode) [[likely]] {
       unused_ = nodes_[node].next();
@@ -85,8 +85,8 @@ class Front {
     nodes_[next].link[0] = node;
   }
 
-  void setEdge(std::uint32_t node, std::uint32_t corner, std::uint32_t facing_class) {
-    nodes_[node].corner = corner;
+  void setEdge(std::uint32_t node, std::uint32_t facing, std::uint32_t facing_class) {
+    nodes_[node].facing = facing;
     nodes_[node].facing_class = static_cast<std::uint16_t>(facing_class);
   }
 

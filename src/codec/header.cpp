@@ -124,11 +124,10 @@ void choice(Io& io, std::uint8_t& byte, int shift, int width, Enum& value) {
 }
 
 template <class Io>
-void modeFields(Io& io, Header& h) {
+void modeFields(Io& io, Header& h, bool& has_dummies) {
   std::uint8_t version = kFormatVersion;
   std::uint8_t first = 0;
   std::uint8_t second = 0;
-  std::uint8_t reserved = 0;
   const auto layout = [&] {
     choice(io, first, 0, 1, h.positions.mode);
     choice(io, first, 1, 1, h.positions.basis);
@@ -141,7 +140,7 @@ void modeFields(Io& io, Header& h) {
     bits(io, second, 4, 1, h.has_references);
     bits(io, second, 5, 1, h.counts.one_vertex_per_position);
     bits(io, second, 6, 1, h.positions.candidates);
-    bits(io, second, 7, 1, reserved);
+    bits(io, second, 7, 1, has_dummies);
   };
   if constexpr (!Io::kReads) layout();
   io.byte(version);
@@ -149,7 +148,6 @@ void modeFields(Io& io, Header& h) {
   io.byte(first);
   io.byte(second);
   if constexpr (Io::kReads) layout();
-  io.check(reserved == 0, ErrorCode::kReservedBits, "header reserved bits", reserved, 0);
   io.check(!h.positions.candidates || h.positions.effort == Effort::kDefault, ErrorCode::kReservedBits,
            "header candidates", 1, 0);
   io.check(!h.positions.exact_hits || h.positions.candidates, ErrorCode::kReservedBits, "header exact hits", 1, 0);
@@ -191,7 +189,7 @@ void latticeFields(Io& io, Header& h) {
 }
 
 template <class Io>
-void countFields(Io& io, Header& h, const DecodeLimits& limits) {
+void outputFields(Io& io, Header& h, const DecodeLimits& limits) {
   // No output is allocated here, but these vectors are: each entry costs at least one byte of header.
   auto table_count = static_cast<std::uint32_t>(h.counts.table_vertex_count.size());
   auto primitive_count = static_cast<std::uint32_t>(h.index_types.size());
@@ -205,11 +203,9 @@ void countFields(Io& io, Header& h, const DecodeLimits& limits) {
     io.check(output_bytes <= limits.max_output_bytes, ErrorCode::kLimitExceeded, "header output bytes",
              static_cast<std::int64_t>(output_bytes), static_cast<std::int64_t>(limits.max_output_bytes));
   };
-  std::int64_t vertices = 0;
   for (std::uint32_t t = 0; t < table_count && !io.failed(); ++t) {
     if constexpr (Io::kReads) h.counts.table_vertex_count.push_back(0);
     count(io, h.counts.table_vertex_count[t], kMaxCount, "header vertex count");
-    vertices += h.counts.table_vertex_count[t];
     spend(h.counts.table_vertex_count[t], positionStride(h.position_type));
   }
   for (std::uint32_t p = 0; p < primitive_count && !io.failed(); ++p) {
@@ -235,34 +231,46 @@ void countFields(Io& io, Header& h, const DecodeLimits& limits) {
     count(io, h.counts.primitive_face_count[p], kMaxCount, "header face count");
     spend(3 * std::uint64_t{h.counts.primitive_face_count[p]}, componentSize(h.index_types[p]));
   }
-  if (io.failed()) return;
-  // The surface has about as many vertices as the tables, and about twice as many faces.
-  std::int64_t vertex_difference = std::int64_t{h.surface_vertex_count} - vertices;
+}
+
+template <class Io>
+void surfaceFields(Io& io, Header& h, bool has_dummies) {
+  std::int64_t table_vertices = 0, faces = 0;
+  for (const std::uint32_t n : h.counts.table_vertex_count) table_vertices += n;
+  for (const std::uint32_t n : h.counts.primitive_face_count) faces += n;
+  // The surface has about as many real vertices as the tables, and with the dummies half as many as faces.
+  std::int64_t vertex_difference = std::int64_t{h.surface.real_vertices} - table_vertices;
   signedVarint(io, vertex_difference);
-  const std::int64_t surface_vertices = vertices + vertex_difference;
-  std::int64_t characteristic = surface_vertices - h.surface_face_count / 2;
+  const std::int64_t real_vertices = table_vertices + vertex_difference;
+  if (has_dummies) {
+    count(io, h.surface.dummies, kMaxCount, "header dummies");
+    io.check(h.surface.dummies > 0, ErrorCode::kReservedBits, "header dummies", 0, 1);
+  }
+  const std::int64_t surface_vertices = real_vertices + h.surface.dummies;
+  std::int64_t characteristic = surface_vertices - h.surface.faces / 2;
   signedVarint(io, characteristic);
   const std::int64_t surface_faces = 2 * (surface_vertices - characteristic);
-  std::int64_t faces = 0;
-  for (const std::uint32_t n : h.counts.primitive_face_count) faces += n;
   // A dummy has at least two faces, and every dummy face has a real one at its side: 4 times the real faces is ample.
   const std::int64_t face_limit = std::min<std::int64_t>(4 * faces, kMaxSurfaceFaces);
   io.check(surface_faces >= 0 && surface_faces <= face_limit, ErrorCode::kInvalidCount, "header surface faces",
            surface_faces, face_limit);
-  io.check(surface_vertices >= 0 && surface_vertices <= surface_faces * 3, ErrorCode::kInvalidCount,
+  io.check(real_vertices >= 0 && surface_vertices <= surface_faces * 3, ErrorCode::kInvalidCount,
            "header surface vertices", surface_vertices, surface_faces * 3);
   if (io.failed()) return;
-  h.surface_vertex_count = static_cast<std::uint32_t>(surface_vertices);
-  h.surface_face_count = static_cast<std::uint32_t>(surface_faces);
+  h.surface.faces = static_cast<std::uint32_t>(surface_faces);
+  h.surface.real_vertices = static_cast<std::uint32_t>(real_vertices);
 }
 
 template <class Io>
 void fields(Io& io, Header& header, const DecodeLimits& limits) {
-  modeFields(io, header);
+  bool has_dummies = header.surface.dummies > 0;
+  modeFields(io, header, has_dummies);
   if (io.failed()) return;
   latticeFields(io, header);
   if (io.failed()) return;
-  countFields(io, header, limits);
+  outputFields(io, header, limits);
+  if (io.failed()) return;
+  surfaceFields(io, header, has_dummies);
 }
 
 }  // namespace

@@ -17,13 +17,12 @@ struct Header {
   ComponentType position_type = ComponentType::kFloat32;
   bool has_references = false;
   bool anchored = false;
-  float step = 1;                             ///< tangential step; 1 for integer positions, not stored
-  std::array<float, 3> origin{};              ///< float positions that are not anchored
-  std::array<std::int64_t, 3> anchor{};       ///< otherwise: the origin in steps
-  std::uint32_t surface_vertex_count = 0;     ///< dummies included
-  std::uint32_t surface_face_count = 0;       ///< dummy faces included; even
+  float step = 1;                        ///< tangential step; 1 for integer positions, not stored
+  std::array<float, 3> origin{};         ///< float positions that are not anchored
+  std::array<std::int64_t, 3> anchor{};  ///< otherwise: the origin in steps
+  SurfaceCounts surface;
   Assignment::Counts counts;
-  std::vector<ComponentType> index_types;     ///< per primitive
+  std::vector<ComponentType> index_types;  ///< per primitive
 };
 
 /// Appends the header to `bytes`.

@@ -59,8 +59,7 @@ class ToLocal {
 
 /// What is known around a vertex that is coded at `time`.
 struct MixedSurrounding {
-  const Surface& surface;
-  std::span<const std::uint32_t> corner_time;
+  const CodingOrder& order;
   std::span<const VertexState> states;
   std::uint32_t time;
 
@@ -74,7 +73,7 @@ struct MixedSurrounding {
 
   /// How the surface bends over the other two edges of a stencil's base triangle; 0 where nothing is known beyond.
   std::array<Integers, 2> bends(const ArcStencil& s) const {
-    const Wings wings = wingsOf(surface, corner_time, s);
+    const Wings wings = wingsOf(order, s);
     const Integers from = point(s.base);
     return {wings.left < time ? point(wings.left) - from - gate(s) : Integers{},
             wings.right < time ? point(wings.right) - from + gate(s) : Integers{}};

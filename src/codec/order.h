@@ -1,6 +1,7 @@
 // The order in which positions are coded (BITSTREAM.md, section 6.2).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -18,7 +19,8 @@ namespace tsc {
 template <class Visit>
 void visitByDegree(const Surface& surface, Visit&& visit) {
   constexpr int kCap = 3;
-  std::vector<std::uint8_t> visited(surface.is_dummy.begin(), surface.is_dummy.end());
+  std::vector<std::uint8_t> visited(surface.vertexCount());
+  std::fill(visited.begin() + surface.real_count, visited.end(), std::uint8_t{1});
   std::vector<std::uint8_t> known(surface.vertexCount());
   std::vector<std::uint8_t> degree(surface.vertexCount());
   std::array<std::vector<std::uint32_t>, kCap + 1> queue;
@@ -51,7 +53,7 @@ void visitByDegree(const Surface& surface, Visit&& visit) {
     } while (corner != start);
   };
 
-  for (std::uint32_t seed = 0; seed < surface.vertexCount() && going; ++seed) {
+  for (std::uint32_t seed = 0; seed < surface.real_count && going; ++seed) {
     if (visited[seed]) continue;
     const std::uint32_t corner = surface.vertex_corner[seed];
     take(seed);
@@ -70,16 +72,39 @@ void visitByDegree(const Surface& surface, Visit&& visit) {
   }
 }
 
-/// When each position is coded.
+/// When each position is coded. Refers to the surface and the map that it was made of.
 struct CodingOrder {
-  std::span<const std::uint32_t> corner_time;  ///< for each corner: of the position there; kNone for dummies
+  const Surface* surface = nullptr;
+  /// For each face the times of the positions at its corners, later than all for dummies. They stand as in the surface
+  /// where vertices are numbered by time, and otherwise turned so that the last comes first.
+  std::span<const std::uint32_t> corner_time;
+  std::span<const std::uint32_t> vertex_time;  ///< empty where it is the vertex's number
   std::vector<std::uint32_t> position;         ///< position number by time; empty where they are the same
-  std::vector<std::uint32_t> storage;          ///< of `corner_time`, where vertices are not numbered by time already
+  std::vector<std::uint32_t> corner_storage, vertex_storage;  ///< of the times, where they are not another's
+
+  std::uint32_t timeAt(std::uint32_t corner) const {
+    const std::uint32_t vertex = surface->corner_vertex[corner];
+    return vertex_time.empty() ? vertex : vertex_time[vertex];
+  }
+  std::uint32_t positionAt(std::uint32_t time) const { return position.empty() ? time : position[time]; }
+  /// The surface's corner whose time stands first in that of `face`, given by its first corner's number.
+  std::uint32_t firstCorner(std::uint32_t face) const {
+    std::uint32_t corner = face;
+    if (!vertex_time.empty()) {
+      while (timeAt(corner) != corner_time[face]) ++corner;
+    }
+    return corner;
+  }
 };
 
 inline CodingOrder codingOrder(const Surface& surface, const PositionMap& map, Order order) {
   CodingOrder result;
-  std::vector<std::uint32_t> time_of_vertex;
+  result.surface = &surface;
+  if (order == Order::kTraversal && map.isIdentity()) {
+    result.corner_time = surface.corner_vertex;
+    return result;
+  }
+  result.vertex_time = map.vertex_position;
   if (order == Order::kDegree) {
     std::vector<std::uint32_t> time(map.position_count, kNone);
     result.position.reserve(map.position_count);
@@ -90,19 +115,18 @@ inline CodingOrder codingOrder(const Surface& surface, const PositionMap& map, O
       result.position.push_back(position);
       return true;
     });
-    time_of_vertex.assign(surface.vertexCount(), kNone);
-    for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
-      if (!surface.is_dummy[v]) time_of_vertex[v] = time[map.positionOf(v)];
-    }
+    result.vertex_storage.assign(surface.vertexCount(), kNone);
+    for (std::uint32_t v = 0; v < surface.real_count; ++v) result.vertex_storage[v] = time[map.positionOf(v)];
+    result.vertex_time = result.vertex_storage;
   }
-  if (order == Order::kTraversal && map.position_count == surface.vertexCount()) {
-    result.corner_time = surface.corner_vertex;
-    return result;
+  result.corner_storage.reserve(surface.corner_vertex.size());
+  for (std::size_t c = 0; c < surface.corner_vertex.size(); c += 3) {
+    std::array<std::uint32_t, 3> time;
+    for (std::size_t k = 0; k < 3; ++k) time[k] = result.vertex_time[surface.corner_vertex[c + k]];
+    std::rotate(time.begin(), std::max_element(time.begin(), time.end()), time.end());
+    result.corner_storage.insert(result.corner_storage.end(), time.begin(), time.end());
   }
-  const std::vector<std::uint32_t>& times = order == Order::kDegree ? time_of_vertex : map.vertex_position;
-  result.storage.reserve(surface.corner_vertex.size());
-  for (const std::uint32_t vertex : surface.corner_vertex) result.storage.push_back(times[vertex]);
-  result.corner_time = result.storage;
+  result.corner_time = result.corner_storage;
   return result;
 }
 

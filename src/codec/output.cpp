@@ -23,24 +23,23 @@ void store(std::byte* to, T value) {
   }
 }
 
-/// Calls visit(vertex, position) for each vertex of a table; `numbers` as in Assignment::table_position.
+/// Calls visit(vertex, position) for each vertex of a table.
 template <class Visit>
-void forVertices(std::span<const std::uint32_t> numbers, std::span<const Vec3> positions, std::size_t count,
-                 Visit visit) {
+void forVertices(std::span<const std::uint32_t> numbers, const Points& points, std::size_t count, Visit visit) {
   if (numbers.empty()) {
-    for (std::size_t i = 0; i < count; ++i) visit(i, positions[i]);
+    for (std::size_t i = 0; i < count; ++i) visit(i, points[i]);
   } else {
-    for (std::size_t i = 0; i < count; ++i) visit(i, positions[numbers[i]]);
+    for (std::size_t i = 0; i < count; ++i) visit(i, points[numbers[i]]);
   }
 }
 
 template <class T>
-Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t> numbers,
-                             std::span<const Vec3> positions, std::span<std::byte> output) {
+Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t> numbers, const Points& points,
+                             std::span<std::byte> output) {
   const std::size_t stride = positionStride(header.position_type);
   std::fill(output.begin(), output.end(), std::byte{0});
   Status status;
-  forVertices(numbers, positions, output.size() / stride, [&](std::size_t i, const Vec3& q) {
+  forVertices(numbers, points, output.size() / stride, [&](std::size_t i, const Vec3& q) {
     for (int a = 0; a < 3; ++a) {
       const std::int64_t value = header.anchor[a] + q[a];
       if (value < std::numeric_limits<T>::min() || value > std::numeric_limits<T>::max()) {
@@ -52,11 +51,11 @@ Status writeIntegerPositions(const Header& header, std::span<const std::uint32_t
   return status;
 }
 
-Status writeFloatPositions(const Header& header, std::span<const std::uint32_t> numbers,
-                           std::span<const Vec3> positions, std::span<std::byte> output) {
+Status writeFloatPositions(const Header& header, std::span<const std::uint32_t> numbers, const Points& points,
+                           std::span<std::byte> output) {
   const Lattice lattice(header);
   double largest = 0;
-  forVertices(numbers, positions, output.size() / 12, [&](std::size_t i, const Vec3& q) {
+  forVertices(numbers, points, output.size() / 12, [&](std::size_t i, const Vec3& q) {
     for (int a = 0; a < 3; ++a) {
       const double exact = lattice.coordinate(q[a], a);
       largest = std::max(largest, std::abs(exact));
@@ -70,7 +69,7 @@ Status writeFloatPositions(const Header& header, std::span<const std::uint32_t> 
 }
 
 template <class T>
-void writeIndices(std::span<const std::uint32_t> indices, std::span<std::byte> output) {
+void writeIndicesAs(std::span<const std::uint32_t> indices, std::span<std::byte> output) {
   for (std::size_t i = 0; i < indices.size(); ++i) store(output.data() + i * sizeof(T), static_cast<T>(indices[i]));
 }
 
@@ -83,42 +82,33 @@ Lattice::Lattice(const Header& header) : fine_step_(std::ldexp(double{header.ste
   }
 }
 
-Status writeOutputs(const Header& header, const Assignment& assignment, std::span<const Vec3> positions,
+Status writePositions(const Header& header, std::span<const std::uint32_t> numbers, const Points& points,
+                      std::span<std::byte> output) {
+  switch (header.position_type) {
+    case ComponentType::kInt8: return writeIntegerPositions<std::int8_t>(header, numbers, points, output);
+    case ComponentType::kUint8: return writeIntegerPositions<std::uint8_t>(header, numbers, points, output);
+    case ComponentType::kInt16: return writeIntegerPositions<std::int16_t>(header, numbers, points, output);
+    case ComponentType::kUint16: return writeIntegerPositions<std::uint16_t>(header, numbers, points, output);
+    default: return writeFloatPositions(header, numbers, points, output);
+  }
+}
+
+void writeIndices(ComponentType type, std::span<const std::uint32_t> indices, std::span<std::byte> output) {
+  switch (type) {
+    case ComponentType::kUint8: return writeIndicesAs<std::uint8_t>(indices, output);
+    case ComponentType::kUint16: return writeIndicesAs<std::uint16_t>(indices, output);
+    default: return writeIndicesAs<std::uint32_t>(indices, output);
+  }
+}
+
+Status writeOutputs(const Header& header, const Assignment& assignment, const Points& points,
                     std::span<const std::span<std::byte>> outputs) {
   std::size_t next = 0;
   for (const std::vector<std::uint32_t>& numbers : assignment.table_position) {
-    const std::span<std::byte> output = outputs[next++];
-    Status status;
-    switch (header.position_type) {
-      case ComponentType::kInt8:
-        status = writeIntegerPositions<std::int8_t>(header, numbers, positions, output);
-        break;
-      case ComponentType::kUint8:
-        status = writeIntegerPositions<std::uint8_t>(header, numbers, positions, output);
-        break;
-      case ComponentType::kInt16:
-        status = writeIntegerPositions<std::int16_t>(header, numbers, positions, output);
-        break;
-      case ComponentType::kUint16:
-        status = writeIntegerPositions<std::uint16_t>(header, numbers, positions, output);
-        break;
-      default:
-        status = writeFloatPositions(header, numbers, positions, output);
-    }
-    if (status) return status;
+    if (Status status = writePositions(header, numbers, points, outputs[next++])) return status;
   }
   for (std::size_t p = 0; p < assignment.primitive_indices.size(); ++p) {
-    const std::span<std::byte> output = outputs[next++];
-    switch (header.index_types[p]) {
-      case ComponentType::kUint8:
-        writeIndices<std::uint8_t>(assignment.primitive_indices[p], output);
-        break;
-      case ComponentType::kUint16:
-        writeIndices<std::uint16_t>(assignment.primitive_indices[p], output);
-        break;
-      default:
-        writeIndices<std::uint32_t>(assignment.primitive_indices[p], output);
-    }
+    writeIndices(header.index_types[p], assignment.primitive_indices[p], outputs[next++]);
   }
   return {};
 }

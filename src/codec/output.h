@@ -26,9 +26,26 @@ class Lattice {
   double fine_step_;
 };
 
-/// Fills the outputs, which have the sizes of `outputsOf(header)`. Error: kInvalidCount for a position out of its
-/// type's range.
-[[nodiscard]] Status writeOutputs(const Header& header, const Assignment& assignment, std::span<const Vec3> positions,
+/// Lattice positions by number: the first may still stand in their states.
+struct Points {
+  std::span<const VertexState> states;
+  std::span<const Vec3> others;
+
+  Vec3 operator[](std::size_t position) const {
+    return position < states.size() ? vectorOf(states[position].point) : others[position - states.size()];
+  }
+};
+
+/// Fills the output of a table, whose size is that of `outputsOf(header)`; `numbers` as in Assignment::table_position.
+/// Error: kInvalidCount for a position out of its type's range.
+[[nodiscard]] Status writePositions(const Header& header, std::span<const std::uint32_t> numbers, const Points& points,
+                                    std::span<std::byte> output);
+
+/// Fills the output of a primitive.
+void writeIndices(ComponentType type, std::span<const std::uint32_t> indices, std::span<std::byte> output);
+
+/// Fills all outputs: tables, then primitives.
+[[nodiscard]] Status writeOutputs(const Header& header, const Assignment& assignment, const Points& points,
                                   std::span<const std::span<std::byte>> outputs);
 
 /// Chained over the header's bytes and all outputs; the low 32 bits.

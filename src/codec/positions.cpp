@@ -59,15 +59,14 @@ template <class Direction>
 class PositionCoder {
  public:
   /// `states`: as in CodingStart, of those positions that are to be coded.
-  PositionCoder(Direction direction, const Surface& surface, const CodingOrder& order, std::vector<VertexState> states,
+  PositionCoder(Direction direction, const CodingOrder& order, std::span<VertexState> states,
                 const PositionParameters& parameters)
       : direction_(direction),
-        surface_(surface),
         parameters_(parameters),
         tangent_(parameters.mode == Mode::kTangent),
         adaptive_(parameters.predictor == Predictor::kAdaptive),
         order_(order),
-        states_(std::move(states)),
+        states_(states),
         step_(stepsOf(parameters)),
         residuals_(direction, parameters.exact_hits, bitsOf(step_)) {
     const std::array<int, 3> bits = bitsOf(step_);
@@ -84,21 +83,10 @@ class PositionCoder {
     return tangent_ ? runAs<true, false>(target) : runAs<false, false>(target);
   }
 
-  /// What the decoder has, by position number.
-  std::vector<Vec3> decoded() const {
-    std::vector<Vec3> positions(states_.size());
-    for (std::uint32_t time = 0; time < states_.size(); ++time) {
-      positions[positionAt(time)] = vectorOf(states_[time].point);
-    }
-    return positions;
-  }
-
  private:
   static constexpr std::uint32_t kOverrunInterval = 1024;
   /// Until then all components learn all they can from each vertex; then in turns, which is as good and faster.
   static constexpr std::uint32_t kEagerUntil = 2048;
-
-  std::uint32_t positionAt(std::uint32_t time) const { return order_.position.empty() ? time : order_.position[time]; }
 
   /// One loop for each of the choices that decide what a vertex takes.
   template <bool kTangent, bool kCandidates>
@@ -112,7 +100,7 @@ class PositionCoder {
         coder.to(direction_);
         if (direction_.overrun()) break;
       }
-      const glm::dvec3 wanted = Direction::kWrites ? target[positionAt(time)] * cells : glm::dvec3(0);
+      const glm::dvec3 wanted = Direction::kWrites ? target[order_.positionAt(time)] * cells : glm::dvec3(0);
       codeVertex<kTangent, kCandidates>(coder, time, wanted);
       if constexpr (Direction::kWrites) {
         const glm::dvec3 error = wanted - glm::dvec3(vectorOf(states_[time].point));
@@ -126,7 +114,7 @@ class PositionCoder {
   template <bool kTangent, bool kCandidates>
   TSC_ALWAYS_INLINE void codeVertex(Hot<Direction>& coder, std::uint32_t time, const glm::dvec3& target) {
     VertexState& state = states_[time];
-    const Stencils stencils = stencilsOf(state);
+    const Stencils stencils(state, order_.corner_time);
     if (stencils.count == 0 || mixed_) [[unlikely]] {
       coder.to(direction_);
       if (stencils.count == 0) {
@@ -140,10 +128,10 @@ class PositionCoder {
     Prediction p;
     std::array<Parallelogram, kMaxStencils> parallelograms;
     for (std::size_t j = 0; j < kMaxStencils; ++j) {
-      parallelograms[j] = parallelogramAt(surface_, order_.corner_time, stencils.corner[j]);
+      parallelograms[j] = stencils[j];
     }
     gather(parallelograms, stencils.count, p);
-    place<kTangent>(time, stencils.corner[0], stencils.valence, p);
+    place<kTangent>(time, stencils.face(0), stencils.valence, p);
     p.offset = Integers{};
     if (adaptive_) {
       const int left = p.left()->valence(), right = p.right()->valence(), base = p.base()->valence();
@@ -155,11 +143,8 @@ class PositionCoder {
 
   /// A vertex without a complete parallelogram, the first triangle of a component above all: exact to the fine lattice.
   [[gnu::noinline]] void codeFree(std::uint32_t time, const glm::dvec3& target) {
-    const Stencils stencils = stencilsOf(states_[time]);
-    std::uint32_t origin_time = time - 1;
-    if (stencils.corner[0] != kNone) {
-      origin_time = parallelogramAt(surface_, order_.corner_time, stencils.corner[0]).right;
-    }
+    const Stencils stencils(states_[time], order_.corner_time);
+    const std::uint32_t origin_time = stencils.hasGate() ? stencils[0].right : time - 1;
     const Vec3 origin = time == 0 ? Vec3(0) : vectorOf(states_[origin_time].point);
     Vec3 difference(0);
     if constexpr (Direction::kWrites) difference = Vec3(glm::floor(target + 0.5)) - origin;
@@ -169,12 +154,13 @@ class PositionCoder {
     const Vec3 position(
         glm::clamp(WideVec3(origin) + WideVec3(difference), WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit)));
     states_[time].point = Integers{position.x, position.y, position.z, stencils.valence};
+    states_[time].memory = {};
   }
 
   /// Effort max (section 6.9). The stencils' order becomes that of the arc.
   [[gnu::noinline]] void codeMixed(std::uint32_t time, const glm::dvec3& target) {
-    const Stencils stencils = stencilsOf(states_[time]);
-    const Arc arc = arcOf(surface_, order_.corner_time, stencils);
+    const Stencils stencils(states_[time], order_.corner_time);
+    const Arc arc = arcOf(order_, stencils);
     Prediction p;
     std::array<Parallelogram, kMaxStencils> parallelograms;
     for (std::size_t j = 0; j < kMaxStencils; ++j) {
@@ -183,13 +169,12 @@ class PositionCoder {
     }
     gather(parallelograms, arc.count, p);
     if (tangent_) {
-      place<true>(time, arc.list[0].corner, stencils.valence, p);
+      place<true>(time, arc.list[0].face, stencils.valence, p);
     } else {
-      place<false>(time, arc.list[0].corner, stencils.valence, p);
+      place<false>(time, arc.list[0].face, stencils.valence, p);
     }
     const ToLocal local(p.frame, tangent_);
-    const MixedFeatures features =
-        mixedFeatures({surface_, order_.corner_time, states_, time}, arc, stencils.valence, local, tangent_);
+    const MixedFeatures features = mixedFeatures({order_, states_, time}, arc, stencils.valence, local, tangent_);
     p.offset = mixed_->offset(features, arc.count, stencils.valence);
     std::array<std::int32_t, 3> residual{};
     if constexpr (Direction::kWrites) residual = wantedResidual(p, target);
@@ -232,24 +217,23 @@ class PositionCoder {
 
   /// The predicted point and the frame there.
   template <bool kTangent>
-  TSC_ALWAYS_INLINE void place(std::uint32_t time, std::uint32_t corner, std::int32_t valence, Prediction& p) const {
+  TSC_ALWAYS_INLINE void place(std::uint32_t time, std::uint32_t face, std::int32_t valence, Prediction& p) const {
     p.point = p.mean;
     if (parameters_.predictor < Predictor::kAverage) [[unlikely]] {
-      p.point = parameters_.predictor == Predictor::kParallelogram
-                    ? p.candidates[0]
-                    : weightedPoint(time, corner, valence, parameters_.predictor == Predictor::kWeighted);
+      p.point =
+          parameters_.predictor == Predictor::kParallelogram ? p.candidates[0] : weightedPoint(time, face, valence, p);
     }
     p.frame = kTangent ? frameAt(parameters_.basis, p.left()->point, p.right()->point, p.base()->point, p.point)
                        : Frame{};
   }
 
   /// Of the predictors that are not made of candidates' means.
-  [[gnu::noinline]] Integers weightedPoint(std::uint32_t time, std::uint32_t corner, std::int32_t valence,
-                                           bool use_known_angles) const {
-    const Parallelogram gate = parallelogramAt(surface_, order_.corner_time, corner);
-    return lanesOf(clampedToLattice(weightedParallelogram(
-        vectorOf(states_[gate.left].point), vectorOf(states_[gate.right].point), vectorOf(states_[gate.base].point),
-        expectedAngles({surface_, order_.corner_time, states_}, time, corner, valence, use_known_angles))));
+  [[gnu::noinline]] Integers weightedPoint(std::uint32_t time, std::uint32_t face, std::int32_t valence,
+                                           const Prediction& p) const {
+    const bool use_known_angles = parameters_.predictor == Predictor::kWeighted;
+    return lanesOf(clampedToLattice(
+        weightedParallelogram(vectorOf(p.left()->point), vectorOf(p.right()->point), vectorOf(p.base()->point),
+                              expectedAngles({order_, states_}, time, face, valence, use_known_angles))));
   }
 
   TSC_ALWAYS_INLINE Surrounding surroundingOf(const Prediction& p) const {
@@ -427,13 +411,12 @@ class PositionCoder {
   }
 
   Direction direction_;
-  const Surface& surface_;
   const PositionParameters& parameters_;
   const bool tangent_;
   const bool adaptive_;
   const CodingOrder& order_;
-  std::vector<VertexState> states_;         ///< by time
-  const Integers step_;  ///< of each component on the fine lattice
+  const std::span<VertexState> states_;  ///< by time
+  const Integers step_;                  ///< of each component on the fine lattice
   Integers step_bits_;                      ///< floor(log2(step))
   ResidualCoder<Direction> residuals_;
   std::unique_ptr<MixedResiduals<Direction>> mixed_;  ///< at effort max
@@ -445,31 +428,34 @@ class PositionCoder {
 }  // namespace
 
 CodingStart codingStart(const Surface& surface, const PositionMap& map, Order order) {
-  CodingStart start{codingOrder(surface, map, order), std::vector<VertexState>(map.position_count)};
-  collectStencils(surface, start.order.corner_time, start.states);
+  CodingStart start{codingOrder(surface, map, order), Buffer<VertexState>(map.position_count)};
+  collectStencils(start.order, start.states);
   return start;
 }
 
-double encodePositions(const Surface& surface, const CodingStart& start, const PositionParameters& parameters,
+double encodePositions(const CodingStart& start, const PositionParameters& parameters,
                        std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>* decoded,
                        std::uint32_t count) {
   const auto first = start.states.begin();
-  std::vector<VertexState> states(first, first + std::min<std::ptrdiff_t>(count, std::ssize(start.states)));
-  PositionCoder<Writing> coder(Writing{writer}, surface, start.order, std::move(states), parameters);
-  const double squared_error = coder.run(target);
-  if (decoded != nullptr) *decoded = coder.decoded();
+  Buffer<VertexState> states(first, first + std::min<std::ptrdiff_t>(count, std::ssize(start.states)));
+  const double squared_error = PositionCoder<Writing>(Writing{writer}, start.order, states, parameters).run(target);
+  if (decoded != nullptr) *decoded = pointsOf(start.order, states);
   return squared_error;
 }
 
-Status decodePositions(Surface& surface, const PositionMap& map, const PositionParameters& parameters,
-                       bool edges_end_here, EntropyReader& reader, std::vector<Vec3>& decoded) {
-  CodingStart start = codingStart(surface, map, parameters.order);
-  PositionCoder<Reading> coder(Reading{reader}, surface, start.order, std::move(start.states), parameters);
-  coder.run({});
-  if (edges_end_here) surface.opposite = std::vector<std::uint32_t>();
-  decoded = coder.decoded();
+Status decodePositions(const CodingOrder& order, const PositionParameters& parameters, EntropyReader& reader,
+                       std::span<VertexState> states) {
+  PositionCoder<Reading>(Reading{reader}, order, states, parameters).run({});
   if (reader.overrun()) return Error{ErrorCode::kTruncated, "positions", reader.position()};
   return {};
+}
+
+std::vector<Vec3> pointsOf(const CodingOrder& order, std::span<const VertexState> states) {
+  std::vector<Vec3> points(states.size());
+  for (std::uint32_t time = 0; time < states.size(); ++time) {
+    points[order.positionAt(time)] = vectorOf(states[time].point);
+  }
+  return points;
 }
 
 }  // namespace tsc

@@ -31,20 +31,22 @@ struct PositionParameters {
 /// What coding starts from. Depends on nothing but the order, so that trials share it.
 struct CodingStart {
   CodingOrder order;
-  std::vector<VertexState> states;  ///< by time
+  Buffer<VertexState> states;  ///< by time
 };
-/// The result refers to `surface`.
+/// The result refers to `surface` and `map`.
 CodingStart codingStart(const Surface& surface, const PositionMap& map, Order order);
 
 /// Codes the positions that the surface has, or the first `count` in the order of coding. `target` holds them by
 /// position number, in steps and within +-2^26 on the fine lattice; `decoded`, if given, receives what the decoder will
 /// have. Returns the sum of squared distances between the two, on the fine lattice.
-double encodePositions(const Surface& surface, const CodingStart& start, const PositionParameters& parameters,
+double encodePositions(const CodingStart& start, const PositionParameters& parameters,
                        std::span<const glm::dvec3> target, EntropyWriter& writer, std::vector<Vec3>* decoded,
                        std::uint32_t count = kNone);
-/// `edges_end_here`: nothing after this needs the surface's edges, whose memory is then given back before the result
-/// takes its own. Errors: kTruncated.
-[[nodiscard]] Status decodePositions(Surface& surface, const PositionMap& map, const PositionParameters& parameters,
-                                     bool edges_end_here, EntropyReader& reader, std::vector<Vec3>& decoded);
+/// Codes the positions whose `states` these are, into their points. Errors: kTruncated.
+[[nodiscard]] Status decodePositions(const CodingOrder& order, const PositionParameters& parameters,
+                                     EntropyReader& reader, std::span<VertexState> states);
+
+/// Coded positions by number.
+std::vector<Vec3> pointsOf(const CodingOrder& order, std::span<const VertexState> states);
 
 }  // namespace tsc

@@ -62,38 +62,37 @@ std::int64_t cotangentOf(std::int64_t angle) {
   return from_middle < 0 ? -magnitude : magnitude;
 }
 
-ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t stencil_corner,
-                              std::int32_t valence, bool use_known_angles) {
-  const Surface& surface = context.surface;
-  const std::span<const std::uint32_t> corner_time = context.corner_time;
-  const std::vector<VertexState>& states = context.states;
-  const Parallelogram gate = parallelogramAt(surface, corner_time, stencil_corner);
+ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face, std::int32_t valence,
+                              bool use_known_angles) {
+  const CodingOrder& order = context.order;
+  const std::span<const VertexState> states = context.states;
+  const std::uint32_t* const times = order.corner_time.data() + face;
   const auto byValence = [](std::int32_t faces) {
     return floorDivide(2 * kHalfTurn, std::clamp(faces, 3, kMaxValence));
   };
-  ExpectedAngles expected{byValence(states[gate.left].valence()), byValence(states[gate.right].valence()),
+  ExpectedAngles expected{byValence(states[times[1]].valence()), byValence(states[times[2]].valence()),
                           byValence(valence)};
   if (use_known_angles) {
     // What the triangles with three known corners leave of the full turn, shared by the rest.
     const auto remaining = [&](std::uint32_t first_corner, std::int64_t fallback) {
-      const Vec3 tip = vectorOf(states[corner_time[first_corner]].point);
+      const Vec3 tip = vectorOf(states[order.timeAt(first_corner)].point);
       std::int64_t left_over = 2 * kHalfTurn;
       std::int64_t unknown = 0;
       std::uint32_t corner = first_corner;
       int steps = 0;
       do {
-        const std::uint32_t a = corner_time[nextCorner(corner)];
-        const std::uint32_t b = corner_time[previousCorner(corner)];
+        const std::uint32_t a = order.timeAt(nextCorner(corner));
+        const std::uint32_t b = order.timeAt(previousCorner(corner));
         if (a < time && b < time) {
           left_over -= innerAngle(tip, vectorOf(states[a].point), vectorOf(states[b].point)).value;
         } else {
           ++unknown;
         }
-        corner = nextAroundVertex(surface, corner);
+        corner = nextAroundVertex(*order.surface, corner);
       } while (corner != first_corner && ++steps < kMaxAngleWalk);
       return unknown > 0 && left_over > 0 ? floorDivide(left_over, unknown) : fallback;
     };
-    const std::uint32_t at_tip = 3 * (stencil_corner >> 2) + (stencil_corner & 3);
+    const std::uint32_t at_tip = order.firstCorner(face);
     expected.left = remaining(nextCorner(at_tip), expected.left);
     expected.right = remaining(previousCorner(at_tip), expected.right);
   }

@@ -50,13 +50,12 @@ struct ExpectedAngles {
   std::int64_t tip;
 };
 struct AngleContext {
-  const Surface& surface;
-  std::span<const std::uint32_t> corner_time;
-  const std::vector<VertexState>& states;
+  const CodingOrder& order;
+  std::span<const VertexState> states;
 };
-/// For the vertex coded at `time`, with `stencil_corner` as in Stencils.
-ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t stencil_corner,
-                              std::int32_t valence, bool use_known_angles);
+/// For the vertex coded at `time`, which stands first in the stencil's `face`, as in Stencils.
+ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face, std::int32_t valence,
+                              bool use_known_angles);
 
 /// Eq. 2 with the weights of eq. 3 and 4. The parallelogram where the angles give no usable triangle.
 Vec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base, ExpectedAngles expected);

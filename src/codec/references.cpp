@@ -51,8 +51,7 @@ class ReferenceCoder {
   }
 
   Status run() {
-    for (std::uint32_t v = 0; v < surface_.vertexCount(); ++v) {
-      if (surface_.is_dummy[v]) continue;
+    for (std::uint32_t v = 0; v < surface_.real_count; ++v) {
       if (direction_.overrun()) return error(ErrorCode::kTruncated, "references", 0, 0);
       std::uint32_t position = map_.position_count;
       if (position > 0) {
@@ -76,7 +75,7 @@ class ReferenceCoder {
     boundary_next_.assign(surface_.vertexCount(), kNone);
     boundary_previous_.assign(surface_.vertexCount(), kNone);
     for (std::uint32_t c = 0; c < surface_.corner_vertex.size(); ++c) {
-      if (!surface_.is_dummy[surface_.corner_vertex[c]]) continue;
+      if (!surface_.isDummy(surface_.corner_vertex[c])) continue;
       const std::uint32_t from = surface_.corner_vertex[nextCorner(c)];
       const std::uint32_t to = surface_.corner_vertex[previousCorner(c)];
       boundary_next_[from] = to;
@@ -217,10 +216,15 @@ PositionMap numberPositions(std::span<const std::uint32_t> vertex_welded, std::u
   PositionMap map;
   map.vertex_position.reserve(vertex_welded.size());
   welded_position.assign(welded_count, kNone);
+  bool repeats = false;
   for (const std::uint32_t welded : vertex_welded) {
-    if (welded != kNone && welded_position[welded] == kNone) welded_position[welded] = map.position_count++;
+    if (welded != kNone) {
+      repeats |= welded_position[welded] != kNone;
+      if (welded_position[welded] == kNone) welded_position[welded] = map.position_count++;
+    }
     map.vertex_position.push_back(welded == kNone ? kNone : welded_position[welded]);
   }
+  if (!repeats) map.vertex_position = {};
   return map;
 }
 
@@ -233,16 +237,7 @@ void encodeReferences(const Surface& surface, const PositionMap& map, bool has_r
 
 Status decodeReferences(const Surface& surface, bool has_references, EntropyReader& reader, PositionMap& map) {
   if (has_references) return ReferenceCoder<Reading>(surface, Reading{reader}, map, nullptr).run();
-  const std::vector<std::uint8_t>& is_dummy = surface.is_dummy;
-  if (std::find(is_dummy.begin(), is_dummy.end(), 1) == is_dummy.end()) {
-    map = {{}, surface.vertexCount()};
-    return {};
-  }
-  map.vertex_position.resize(surface.vertexCount());
-  map.position_count = 0;
-  for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
-    map.vertex_position[v] = surface.is_dummy[v] ? kNone : map.position_count++;
-  }
+  map = {{}, surface.real_count};
   return {};
 }
 

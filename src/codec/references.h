@@ -13,11 +13,12 @@
 namespace tsc {
 
 /// For each vertex of the surface its position number: positions are numbered by first appearance in the surface's
-/// vertex order; a vertex with an earlier number repeats that position. kNone for dummies.
+/// vertex order; a vertex with an earlier number repeats that position. kNone, or any number beyond, for dummies.
 struct PositionMap {
-  std::vector<std::uint32_t> vertex_position;  ///< may be empty where vertices and positions have the same numbers
+  std::vector<std::uint32_t> vertex_position;  ///< empty where no position repeats: vertices have the same numbers
   std::uint32_t position_count = 0;
 
+  bool isIdentity() const { return vertex_position.empty(); }
   std::uint32_t positionOf(std::uint32_t vertex) const {
     return vertex_position.empty() ? vertex : vertex_position[vertex];
   }
@@ -25,8 +26,7 @@ struct PositionMap {
 
 /// Numbers the positions of a surface. `vertex_welded` holds for each vertex of the surface its welded vertex (kNone
 /// for dummies), each below `welded_count`. `welded_position` receives for each welded vertex its position number,
-/// kNone where the surface does not have it. No position repeats when position_count equals the number of vertices
-/// that are no dummies.
+/// kNone where the surface does not have it.
 PositionMap numberPositions(std::span<const std::uint32_t> vertex_welded, std::uint32_t welded_count,
                             std::vector<std::uint32_t>& welded_position);
 

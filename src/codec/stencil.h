@@ -1,22 +1,74 @@
 // What is known around a vertex when its position is coded (paper, Figure 1; BITSTREAM.md, section 6.2).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "lanes.h"
+#include "order.h"
 #include "surface.h"
 
 namespace tsc {
 
 inline constexpr int kMaxStencils = 3;
 
-/// What the position coder holds for a position: half a cache line. Until it is coded, `point` holds its stencils.
+/// What is known of a position before it is coded: its valence and its stencils, which are complete parallelograms. The
+/// position stands first in a stencil's face; the other two, the gate, are coded before it, and so is the base across.
+class UncodedState {
+ public:
+  struct Stencil {
+    std::uint32_t face;  ///< its first corner's number
+    std::uint32_t base;  ///< when it is coded
+  };
+
+  /// `valence` counts the faces at the vertex, those of dummies included; below 2^29.
+  void start(std::uint32_t valence) {
+    entries_[0].face = kNone;
+    entries_[kMaxStencils].base = valence;
+  }
+  void start(std::uint32_t valence, const Stencil& first, bool is_complete) {
+    entries_[0] = first;
+    entries_[kMaxStencils].base = valence + (std::uint32_t{is_complete} << kCountShift);
+  }
+  void addFace() { ++entries_[kMaxStencils].base; }
+
+  /// A face whose gate is coded before. The first kMaxStencils that are `complete`, their bases being so too, are kept.
+  /// Without branches on what follows no pattern that a processor could learn: what is not kept is overwritten.
+  TSC_ALWAYS_INLINE void add(const Stencil& stencil, bool complete) {
+    const std::uint32_t numbers = entries_[kMaxStencils].base, count = numbers >> kCountShift & 3;
+    entries_[count] = stencil;
+    const bool is_kept = complete & (count < kMaxStencils);
+    entries_[kMaxStencils].base = numbers + (std::uint32_t{is_kept} << kCountShift);
+  }
+
+  int count() const { return static_cast<int>(entries_[kMaxStencils].base >> kCountShift & 3); }
+  std::int32_t valence() const {
+    return static_cast<std::int32_t>(entries_[kMaxStencils].base & ((1u << kCountShift) - 1));
+  }
+  /// The first is a face without a known base where there are no stencils, and kNone if there is none with a known
+  /// gate.
+  const Stencil& operator[](std::size_t j) const { return entries_[j]; }
+
+ private:
+  static constexpr int kCountShift = 29;
+
+  /// The last is no stencil, and its `base` the valence with the count above it.
+  std::array<Stencil, kMaxStencils + 1> entries_;
+};
+
+/// What the position coder holds for a position: half a cache line.
 struct alignas(32) VertexState {
-  Integers point = {-1, -1, -1, 0};      ///< x y z on the fine lattice, and the valence in lane 3
-  std::array<std::int16_t, 8> memory{};  ///< of how it was coded
+  union {
+    UncodedState uncoded;
+    struct {
+      Integers point;                      ///< x y z on the fine lattice, and the valence in lane 3
+      std::array<std::int16_t, 8> memory;  ///< of how it was coded
+    };
+  };
 
   /// Faces at it, those of dummies included.
   std::int32_t valence() const { return point[3]; }
@@ -28,15 +80,6 @@ struct alignas(32) VertexState {
   std::uint32_t hits() const { return static_cast<std::uint16_t>(memory[7]); }
 };
 
-/// A complete parallelogram by its face: the face's corner at the vertex itself is number `corner` & 3 of face
-/// `corner` >> 2. The face's other vertices, the gate, are known, and so is the base vertex across.
-struct Stencils {
-  int count = 0;
-  std::array<std::uint32_t, kMaxStencils> corner;  ///< beyond `count` the first again; of a face without a known base
-                                                   ///< where count is 0, kNone if there is no face with a known gate
-  std::int32_t valence = 0;                        ///< faces at the vertex, those of dummies included
-};
-
 /// Numbers of the vertices of a stencil in the order of coding.
 struct Parallelogram {
   std::uint32_t left;
@@ -44,61 +87,49 @@ struct Parallelogram {
   std::uint32_t base;
 };
 
-namespace stencil_row {
-inline constexpr int kCountShift = 29;
-inline int count(const Integers& row) { return row[3] >> kCountShift & 3; }
-}  // namespace stencil_row
+/// The stencils of a position that is about to be coded; refers to its state.
+class Stencils {
+ public:
+  /// `corner_time` is that of the order.
+  Stencils(const VertexState& state, std::span<const std::uint32_t> corner_time)
+      : count(state.uncoded.count()),
+        valence(state.uncoded.valence()),
+        uncoded_(state.uncoded),
+        corner_time_(corner_time.data()) {}
 
-/// Enters into the states which stencils each position will have. `corner_time` holds for each corner when the position
-/// at it is coded, kNone for dummies; equal times are one position. A face counts for the last of its three positions,
-/// if its base comes before that, too. The first kMaxStencils in the order of faces are kept.
-inline void collectStencils(const Surface& surface, std::span<const std::uint32_t> corner_time,
-                            std::vector<VertexState>& states) {
-  const std::uint32_t faces = surface.faceCount();
-  for (std::uint32_t f = 0; f < faces; ++f) {
-    const std::uint32_t* const time = corner_time.data() + 3 * std::size_t{f};
-    const std::uint32_t early = time[0] < time[1] ? time[0] : time[1];
-    const std::uint32_t late = time[0] < time[1] ? time[1] : time[0];
-    const bool is_third = time[2] > late;
-    const std::uint32_t k = is_third ? 2 : static_cast<std::uint32_t>(time[0] < time[1]);
-    const std::uint32_t last = is_third ? time[2] : late;
-    const std::uint32_t middle = is_third ? late : time[2] > early ? time[2] : early;
-    if (last == kNone) [[unlikely]] {
-      for (int k = 0; k < 3; ++k) {
-        if (time[k] != kNone) ++states[time[k]].point[3];
-      }
-      continue;
-    }
-    for (int i = 0; i < 3; ++i) ++states[time[i]].point[3];
-    const std::uint32_t base = corner_time[surface.opposite[3 * f + k]];
-    Integers& row = states[last].point;
-    const int stencils = stencil_row::count(row);
-    // Without branches on what follows no pattern that a processor could learn.
-    const bool kept = (stencils < kMaxStencils) & (middle < last);
-    Integers passed;
-    (kept ? row : passed)[stencils & 3] = static_cast<std::int32_t>(f << 2 | k);
-    row[3] += static_cast<std::int32_t>(kept & (base < last)) << stencil_row::kCountShift;
+  /// Beyond `count` the first again.
+  TSC_ALWAYS_INLINE Parallelogram operator[](std::size_t j) const {
+    const UncodedState::Stencil& stencil = uncoded_[static_cast<int>(j) < count ? j : 0];
+    const std::uint32_t* const time = corner_time_ + stencil.face;
+    return {time[1], time[2], stencil.base};
   }
-}
+  /// The number of its first corner.
+  std::uint32_t face(std::size_t j) const { return uncoded_[j].face; }
+  /// Without a stencil there may still be a gate: that of the first then has no known base.
+  bool hasGate() const { return face(0) != kNone; }
 
-/// The stencils that a state holds until its position is coded.
-inline Stencils stencilsOf(const VertexState& state) {
-  Stencils s;
-  s.count = stencil_row::count(state.point);
-  s.valence = state.point[3] & ((1 << stencil_row::kCountShift) - 1);
-  s.corner[0] = static_cast<std::uint32_t>(state.point[0]);
-  s.corner[1] = s.count > 1 ? static_cast<std::uint32_t>(state.point[1]) : s.corner[0];
-  s.corner[2] = s.count > 2 ? static_cast<std::uint32_t>(state.point[2]) : s.corner[0];
-  return s;
-}
+  const int count;
+  const std::int32_t valence;  ///< faces at the vertex, those of dummies included
 
-inline Parallelogram parallelogramAt(const Surface& surface, std::span<const std::uint32_t> corner_time,
-                                     std::uint32_t corner) {
-  static constexpr std::array<std::uint8_t, 4> kNext = {1, 2, 0, 0};
-  static constexpr std::array<std::uint8_t, 4> kPrevious = {2, 0, 1, 0};
-  const std::size_t first = std::size_t{3} * (corner >> 2);
-  const std::size_t k = corner & 3;
-  return {corner_time[first + kNext[k]], corner_time[first + kPrevious[k]], corner_time[surface.opposite[first + k]]};
+ private:
+  const UncodedState& uncoded_;
+  const std::uint32_t* corner_time_;
+};
+
+/// Enters into the states of all positions, which are by time, their stencils: the first kMaxStencils in the order of
+/// faces. A face counts for the position that stands first in it, if that is coded after the other two.
+inline void collectStencils(const CodingOrder& order, std::span<VertexState> states) {
+  for (VertexState& state : states) state.uncoded.start(0);
+  for (std::uint32_t face = 0; face < order.corner_time.size(); face += 3) {
+    const std::uint32_t* const time = order.corner_time.data() + face;
+    for (int k = 0; k < 3; ++k) {
+      if (time[k] < states.size()) [[likely]]
+        states[time[k]].uncoded.addFace();
+    }
+    if (time[0] >= states.size() || time[0] <= std::max(time[1], time[2])) continue;
+    const std::uint32_t base = order.timeAt(order.surface->opposite[order.firstCorner(face)]);
+    states[time[0]].uncoded.add({face, base}, base < time[0]);
+  }
 }
 
 }  // namespace tsc

@@ -130,7 +130,7 @@ Vector cross(const Vector& a, const Vector& b) {
 class EdgePairing {
  public:
   EdgePairing(std::span<const float> positions, std::span<const std::uint32_t> input_vertex,
-              std::vector<std::uint32_t>& opposite)
+              std::span<std::uint32_t> opposite)
       : positions_(positions), vertex_(input_vertex), opposite_(opposite) {}
 
   /// Pairs two half-edges of opposite direction unless one is paired or they are flip sides.
@@ -218,14 +218,14 @@ class EdgePairing {
 
   std::span<const float> positions_;
   std::span<const std::uint32_t> vertex_;  ///< welded vertex of each corner
-  std::vector<std::uint32_t>& opposite_;
+  std::span<std::uint32_t> opposite_;
   std::vector<Candidate> candidates_;
 };
 
 /// Opposite corners over welded vertices; kNone at boundaries.
-std::vector<std::uint32_t> pairHalfEdges(std::span<const float> positions, std::span<const std::uint32_t> vertex) {
+Buffer<std::uint32_t> pairHalfEdges(std::span<const float> positions, std::span<const std::uint32_t> vertex) {
   const auto corner_count = static_cast<std::uint32_t>(vertex.size());
-  std::vector<std::uint32_t> opposite(corner_count, kNone);
+  Buffer<std::uint32_t> opposite(corner_count, kNone);
   const auto smaller_end = [&](std::uint32_t corner) {
     return std::min(vertex[nextCorner(corner)], vertex[previousCorner(corner)]);
   };
@@ -282,9 +282,8 @@ void numberUmbrellas(std::span<const std::uint32_t> input_vertex, CutMesh& cut) 
   }
   for (std::uint32_t first = 0; first < corner_count; ++first) {
     if (surface.corner_vertex[first] != kNone) continue;
-    const std::uint32_t vertex = surface.vertexCount();
+    const std::uint32_t vertex = surface.real_count++;
     surface.vertex_corner.push_back(first);
-    surface.is_dummy.push_back(0);
     cut.welded_vertex.push_back(input_vertex[first]);
     // All the way around to the left; where that ends at a boundary, from the start to the right.
     std::uint32_t corner = first;
@@ -316,10 +315,9 @@ void closeHoles(CutMesh& cut) {
   const auto real_corner_count = static_cast<std::uint32_t>(surface.corner_vertex.size());
   for (std::uint32_t first = 0; first < real_corner_count; ++first) {
     if (surface.opposite[first] != kNone) continue;
-    const std::uint32_t dummy = surface.vertexCount();
+    const std::uint32_t dummy = surface.real_count + surface.dummy_count++;
     const auto first_dummy_corner = static_cast<std::uint32_t>(surface.corner_vertex.size());
     surface.vertex_corner.push_back(first_dummy_corner);
-    surface.is_dummy.push_back(1);
     cut.welded_vertex.push_back(kNone);
 
     // A dummy face has the corners dummy, end, start of its boundary half-edge: it runs against it.

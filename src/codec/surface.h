@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "buffer.h"
 #include "tsc/codec.h"
 
 namespace tsc {
@@ -20,16 +21,29 @@ inline constexpr std::uint32_t kMaxSurfaceFaces = (1u << 29) / 3;
 inline std::uint32_t nextCorner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 inline std::uint32_t previousCorner(std::uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
 
+/// What the header says of a surface.
+struct SurfaceCounts {
+  std::uint32_t faces = 0;  ///< those of dummies included; even
+  std::uint32_t real_vertices = 0;
+  std::uint32_t dummies = 0;
+
+  std::uint32_t vertices() const { return real_vertices + dummies; }
+  friend bool operator==(const SurfaceCounts&, const SurfaceCounts&) = default;
+};
+
 /// A corner table (Rossignac). Corner c belongs to face c / 3; corners run counter-clockwise. Both the encoder and the
-/// decoder hold it in the decoder's numbering: vertices and faces in the order in which decoding creates them.
+/// decoder hold it in the decoder's numbering: faces, real vertices and dummies, each in the order in which decoding
+/// creates them.
 struct Surface {
-  std::vector<std::uint32_t> corner_vertex;  ///< vertex at each corner, 3 a face
-  std::vector<std::uint32_t> opposite;       ///< corner facing the same edge from the other side; never kNone
-  /// For each vertex one of its corners, the same on both sides.
-  std::vector<std::uint32_t> vertex_corner;
-  std::vector<std::uint8_t> is_dummy;        ///< for each vertex: 1 where it closes a hole
-  std::uint32_t vertexCount() const { return static_cast<std::uint32_t>(is_dummy.size()); }
+  Buffer<std::uint32_t> corner_vertex;  ///< vertex at each corner, 3 a face
+  Buffer<std::uint32_t> opposite;       ///< corner facing the same edge from the other side; never kNone
+  Buffer<std::uint32_t> vertex_corner;  ///< for each vertex one of its corners, the same on both sides
+  std::uint32_t real_count = 0;         ///< vertices of the mesh, which come first
+  std::uint32_t dummy_count = 0;        ///< vertices that close holes, numbered after them
+  bool isDummy(std::uint32_t vertex) const { return vertex >= real_count; }
+  std::uint32_t vertexCount() const { return real_count + dummy_count; }
   std::uint32_t faceCount() const { return static_cast<std::uint32_t>(corner_vertex.size() / 3); }
+  SurfaceCounts counts() const { return {faceCount(), real_count, dummy_count}; }
 };
 
 /// Next corner at the same vertex, counter-clockwise: across the edge that leaves the vertex to the left.

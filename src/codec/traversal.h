@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "edges.h"
 #include "front.h"
 #include "gate.h"
 #include "surface.h"
@@ -27,16 +28,19 @@ namespace tsc {
 ///
 /// Events:
 ///   void start(std::uint32_t (&degrees)[3])             degrees of a new component's first face
-///   void face(std::uint32_t gate_corner)                a face is being glued to `gate_corner`
+///   void face(std::uint32_t gate_corner)                a face is being glued to `gate_corner` by its first corner
 ///   Tip tip(const Gate&, const Front&)                  its third vertex
-///   void vertex(std::uint32_t corner)                   a new vertex at a corner
+///   void vertex(std::uint32_t vertex, std::uint32_t corner)
+///                                                       a new vertex at a corner
 ///   void edge(std::uint32_t node, std::uint32_t corner) the node's edge is now the one that `corner` faces
 ///   bool failed()                                       asked now and then; true ends the traversal
-template <class Events>
+///
+/// `Edges` is what is kept of the edges, `SurfaceEdges` or `StencilEdges`.
+template <class Events, class Edges>
 class Traversal {
  public:
-  Traversal(Events& events, Surface& surface, std::uint32_t face_count, std::uint32_t vertex_count)
-      : events_(events), surface_(surface), corner_count_(3 * face_count), vertex_count_(vertex_count) {}
+  Traversal(Events& events, const Edges& edges, Surface& surface, const SurfaceCounts& counts)
+      : events_(events), edges_(edges), surface_(surface), counts_(counts), corner_count_(3 * counts.faces) {}
 
   Status run() {
     reserve();
@@ -49,18 +53,23 @@ class Traversal {
       }
     }
     if (events_.failed()) return fault(ErrorCode::kTruncated);
-    if (!error_ && (!front_.empty() || corners_ != corner_count_ || vertices_ != vertex_count_)) {
+    if (error_) return error_;
+    if (!front_.empty() || corners_ != corner_count_ || vertices_ != counts_.real_vertices ||
+        dummies_ != counts_.dummies) {
       return fault(ErrorCode::kInvalidCount);
     }
     resize(corners_, vertices_);
-    return error_;
+    edges_.finish();
+    surface_.real_count = counts_.real_vertices;
+    surface_.dummy_count = counts_.dummies;
+    return {};
   }
 
  private:
   /// Between two calls of `makeRoom`. A turn adds at most two faces, one vertex and one node.
   static constexpr std::uint32_t kTurns = 128;
 
-  Error fault(ErrorCode code) const { return {code, "connectivity", 0, vertices_, vertex_count_}; }
+  Error fault(ErrorCode code) const { return {code, "connectivity", 0, vertices_, counts_.real_vertices}; }
   bool fail(ErrorCode code) {
     error_ = fault(code);
     return false;
@@ -70,19 +79,15 @@ class Traversal {
   void reserve() {
     constexpr std::uint32_t kMost = 1 << 22;
     const std::size_t corners = 3 * (std::size_t{std::min(corner_count_ / 3, kMost)} + 2 * kTurns + 1);
-    const std::size_t vertices = std::size_t{std::min(vertex_count_, kMost)} + kTurns + 3;
+    const std::size_t vertices = std::size_t{std::min(counts_.real_vertices, kMost)} + kTurns + 3;
     surface_ = {};
     surface_.corner_vertex.reserve(corners);
-    surface_.opposite.reserve(corners);
-    surface_.vertex_corner.reserve(vertices);
-    surface_.is_dummy.reserve(vertices);
+    edges_.reserve(corners, vertices);
   }
 
   void resize(std::size_t corners, std::size_t vertices) {
     surface_.corner_vertex.resize(corners);
-    surface_.opposite.resize(corners);
-    surface_.vertex_corner.resize(vertices);
-    surface_.is_dummy.resize(vertices);
+    edges_.resize(corners, vertices);
   }
 
   /// For a component's start and so many turns. Memory follows what has been decoded, not what the header claims.
@@ -93,14 +98,20 @@ class Traversal {
 
   /// One more face, or two. False where the component is complete or the stream is wrong.
   bool takeTurn() {
-    if (const std::uint32_t node = front_.takeClosable(); node != Front::kNoNode) return close(node);
-    if (const std::uint32_t node = front_.takePivot(); node != Front::kNoNode) return extend(gateAt(front_, node));
-    return front_.empty() ? false : fail(ErrorCode::kInvalidCount);  // nothing but dummies
-  }
-
-  void glue(std::uint32_t a, std::uint32_t b) {
-    surface_.opposite[a] = b;
-    surface_.opposite[b] = a;
+    std::uint32_t node = front_.takeClosable();
+    if (node == Front::kNoNode) {
+      node = front_.takePivot();
+      if (node == Front::kNoNode)
+        return front_.empty() ? false : fail(ErrorCode::kInvalidCount);  // nothing but dummies
+      if (!extend(gateAt(front_, node))) return false;
+      if (front_[node].free_valence > 1) {
+        front_.decrementFreeValence(node);
+        return true;
+      }
+      // Most pivots have one free edge. These need not pass through the queue.
+      front_[node].free_valence = 0;
+    }
+    return close(node);
   }
 
   void setCorners(std::uint32_t base, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -110,22 +121,13 @@ class Traversal {
     corners[2] = c;
   }
 
-  void setEdge(std::uint32_t node, std::uint32_t corner, std::uint32_t facing_class) {
-    front_.setEdge(node, corner, facing_class);
+  void setEdge(std::uint32_t node, std::uint32_t corner, std::uint32_t vertex, std::uint32_t facing_class) {
+    front_.setEdge(node, Edges::facing(corner, vertex), facing_class);
     events_.edge(node, corner);
   }
 
-  /// The caller has checked that one more is allowed.
-  std::uint32_t addVertex(std::uint32_t corner, std::uint32_t degree_class) {
-    surface_.vertex_corner[vertices_] = corner;
-    if (degree_class == Front::kDummyClass) [[unlikely]]
-      surface_.is_dummy[vertices_] = 1;
-    events_.vertex(corner);
-    return vertices_++;
-  }
-
   bool startComponent() {
-    if (vertex_count_ - vertices_ < 3) return fail(ErrorCode::kInvalidCount);
+    if (counts_.real_vertices - vertices_ < 3) return fail(ErrorCode::kInvalidCount);
     const std::uint32_t base = corners_;
     corners_ += 3;
     std::uint32_t degrees[3];
@@ -133,7 +135,9 @@ class Traversal {
     if (std::min({degrees[0], degrees[1], degrees[2]}) < 2) return fail(ErrorCode::kInvalidSymbol);
     std::uint32_t nodes[3];
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t vertex = addVertex(base + k, 0);
+      const std::uint32_t vertex = vertices_++;
+      edges_.addVertex(vertex, degrees[k], base + k);
+      events_.vertex(vertex, base + k);
       surface_.corner_vertex[base + k] = vertex;
       nodes[k] = front_.add(vertex, degreeClass(degrees[k]), degrees[k] - 2);
       front_.enterQueue(nodes[k]);
@@ -143,7 +147,7 @@ class Traversal {
       const std::uint32_t from = nodes[(k + 1) % 3];
       const std::uint32_t facing = (k + 2) % 3;
       front_.link(from, nodes[k]);
-      setEdge(from, base + facing, front_[nodes[facing]].degree_class);
+      setEdge(from, base + facing, front_[nodes[facing]].vertex, front_[nodes[facing]].degree_class);
     }
     return true;
   }
@@ -161,19 +165,27 @@ class Traversal {
         [[unlikely]] {
       return fail(ErrorCode::kInvalidSymbol);
     }
+    // The newer of left and right comes first, without a branch, which could not be predicted.
+    const std::uint32_t turn = right.vertex > left.vertex;
     const std::uint32_t base = corners_;
+    const std::uint32_t at_left = base + turn, at_middle = base + 1 + turn, at_right = base + 2 - 2 * turn;
     corners_ += 3;
-    events_.face(middle.corner);
-    setCorners(base, left.vertex, middle.vertex, right.vertex);
-    glue(base, middle.corner);
-    glue(base + 2, left.corner);
+    const std::uint32_t gate = middle.facing ^ ((middle.facing ^ left.facing) & (0 - turn));
+    events_.face(gate);
+    surface_.corner_vertex[at_left] = left.vertex;
+    surface_.corner_vertex[at_middle] = middle.vertex;
+    surface_.corner_vertex[at_right] = right.vertex;
+    edges_.glue(at_left, middle.facing);
+    edges_.glue(at_right, left.facing);
+    const std::uint32_t newer = std::max(left.vertex, right.vertex);
+    edges_.addFace(base, newer, left.vertex ^ right.vertex ^ newer, middle.vertex, gate);
     if (is_last) [[unlikely]] {
-      glue(base + 1, right.corner);
+      edges_.glue(at_middle, right.facing);
       front_.remove(before);
       front_.remove(after);
     } else {
       front_.link(before, after);
-      setEdge(before, base + 1, middle.degree_class);
+      setEdge(before, at_middle, middle.vertex, middle.degree_class);
       front_.decrementFreeValence(before);
       front_.decrementFreeValence(after);
     }
@@ -181,39 +193,47 @@ class Traversal {
     return true;
   }
 
-  /// The face on the gate, where no free valence is 0: its tip is new or on the front.
+  /// The face on the gate, where no free valence is 0: its tip is new or on the front. The pivot's edge is the
+  /// caller's.
   bool extend(const Gate& gate) {
     const std::uint32_t start = gate.start();
     const std::uint32_t end = gate.end();
     const std::uint32_t base = corners_;
     corners_ += 3;
-    events_.face(front_[start].corner);
+    events_.face(front_[start].facing);
     const Tip tip = events_.tip(gate, front_);
 
+    const std::uint32_t left = front_[start].vertex, right = front_[end].vertex, facing = front_[start].facing;
     std::uint32_t before_end = 0;  // the node whose edge becomes tip -> end
+    std::uint32_t vertex = 0;      // the tip
     if (tip.is_split) [[unlikely]] {
       before_end = split(start, end, tip.node, tip.right_valence);
       if (before_end == Front::kNoNode) return fail(ErrorCode::kInvalidSymbol);
+      vertex = front_[before_end].vertex;
+      edges_.addFace(base, vertex, left, right, facing);
     } else {
-      if (vertices_ == vertex_count_) [[unlikely]]
-        return fail(ErrorCode::kInvalidCount);
-      before_end = front_.add(addVertex(base, tip.degree_class), tip.degree_class, tip.degree - 2);
+      if (tip.degree_class == Front::kDummyClass) [[unlikely]] {
+        if (dummies_ == counts_.dummies) return fail(ErrorCode::kInvalidCount);
+        vertex = counts_.real_vertices + dummies_++;
+        edges_.addDummy(base);
+      } else {
+        if (vertices_ == counts_.real_vertices) [[unlikely]]
+          return fail(ErrorCode::kInvalidCount);
+        vertex = vertices_++;
+        edges_.addTip(vertex, tip.degree, base, left, right, facing);
+      }
+      events_.vertex(vertex, base);
+      before_end = front_.add(vertex, tip.degree_class, tip.degree - 2);
       front_.link(start, before_end);
     }
     front_.link(before_end, end);
 
-    setCorners(base, front_[before_end].vertex, front_[start].vertex, front_[end].vertex);
-    glue(base, front_[start].corner);
-    setEdge(start, base + 2, front_[end].degree_class);
-    setEdge(before_end, base + 1, front_[start].degree_class);
+    setCorners(base, vertex, left, right);
+    edges_.glue(base, facing);
+    setEdge(start, base + 2, right, front_[end].degree_class);
+    setEdge(before_end, base + 1, left, front_[start].degree_class);
     front_.decrementFreeValence(gate.other);
     front_.enterQueue(before_end);
-    // Most pivots have one free edge. These need not pass through the queue.
-    if (front_[gate.pivot].free_valence == 1) {
-      front_[gate.pivot].free_valence = 0;
-      return close(gate.pivot);
-    }
-    front_.decrementFreeValence(gate.pivot);
     return true;
   }
 
@@ -235,12 +255,14 @@ class Traversal {
   }
 
   Events& events_;
+  Edges edges_;
   Surface& surface_;
   Front front_;
+  const SurfaceCounts counts_;
   const std::uint32_t corner_count_;
-  const std::uint32_t vertex_count_;
   std::uint32_t corners_ = 0;
-  std::uint32_t vertices_ = 0;
+  std::uint32_t vertices_ = 0;  ///< real ones
+  std::uint32_t dummies_ = 0;
   Status error_;
 };
 

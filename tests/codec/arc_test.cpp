@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <list>
 #include <numeric>
 #include <random>
 
@@ -14,7 +15,8 @@ namespace {
 /// A surface whose positions are coded in some order.
 struct Timed {
   Surface surface;
-  std::vector<std::uint32_t> corner_time;
+  PositionMap map;
+  CodingOrder order;
   std::vector<VertexState> states;
 
   /// `count` positions, which vertices share if there are fewer of them.
@@ -23,16 +25,20 @@ struct Timed {
     std::iota(time.begin(), time.end(), 0);
     std::mt19937 random(seed);
     std::shuffle(time.begin(), time.end(), random);
-    for (const std::uint32_t v : surface.corner_vertex) {
-      corner_time.push_back(surface.is_dummy[v] ? kNone : time[v] % count);
+    map.position_count = count;
+    for (std::uint32_t v = 0; v < time.size(); ++v) {
+      map.vertex_position.push_back(surface.isDummy(v) ? kNone : time[v] % count);
     }
-    collectStencils(surface, corner_time, states);
+    order = codingOrder(surface, map, Order::kTraversal);
+    collectStencils(order, states);
   }
-  Arc arcAt(std::uint32_t time) const { return arcOf(surface, corner_time, stencilsOf(states[time])); }
+  Timed(const Timed&) = delete;  // the order refers to the surface
+  Stencils stencilsAt(std::uint32_t time) const { return {states[time], order.corner_time}; }
+  Arc arcAt(std::uint32_t time) const { return arcOf(order, stencilsAt(time)); }
 };
 
-std::vector<Timed> timedSurfaces() {
-  std::vector<Timed> all;
+std::list<Timed> timedSurfaces() {
+  std::list<Timed> all;
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     all.emplace_back(test::grid(7, 6), 43, seed);
     all.emplace_back(test::torus(6, 5), 30, seed);
@@ -44,15 +50,20 @@ std::vector<Timed> timedSurfaces() {
 TEST(Arc, HasTheStencilsOfThePosition) {
   for (const Timed& timed : timedSurfaces()) {
     for (std::uint32_t time = 0; time < timed.states.size(); ++time) {
-      const Stencils stencils = stencilsOf(timed.states[time]);
+      const Stencils stencils = timed.stencilsAt(time);
       const Arc arc = timed.arcAt(time);
       ASSERT_EQ(arc.count, stencils.count);
       for (int j = 0; j < arc.count; ++j) {
         const ArcStencil& s = arc.list[static_cast<std::size_t>(j)];
-        ASSERT_EQ(std::count(stencils.corner.begin(), stencils.corner.begin() + stencils.count, s.corner), 1);
-        const Parallelogram p = parallelogramAt(timed.surface, timed.corner_time, s.corner);
-        ASSERT_EQ((std::array{s.left, s.right, s.base}), (std::array{p.left, p.right, p.base}));
-        ASSERT_EQ(timed.corner_time[s.base_corner], s.base);
+        int found = 0;
+        for (std::size_t i = 0; static_cast<int>(i) < stencils.count; ++i) {
+          if (stencils.face(i) != s.face) continue;
+          ++found;
+          const Parallelogram p = stencils[i];
+          ASSERT_EQ((std::array{s.left, s.right, s.base}), (std::array{p.left, p.right, p.base}));
+        }
+        ASSERT_EQ(found, 1);
+        ASSERT_EQ(timed.order.timeAt(s.base_corner), s.base);
       }
     }
   }
@@ -89,12 +100,13 @@ TEST(Arc, WingsLieBeyondTheBaseTriangle) {
     const Arc arc = timed.arcAt(time);
     for (int j = 0; j < arc.count; ++j) {
       const ArcStencil& s = arc.list[static_cast<std::size_t>(j)];
-      const Wings wings = wingsOf(timed.surface, timed.corner_time, s);
+      const Wings wings = wingsOf(timed.order, s);
       // The faces beyond base-left and right-base have these two and the wing.
       const auto expectBeyond = [&](std::uint32_t corner, std::uint32_t wing, std::uint32_t end) {
         const std::uint32_t beyond = timed.surface.opposite[corner];
-        EXPECT_EQ(timed.corner_time[beyond], wing);
-        const std::uint32_t a = timed.corner_time[nextCorner(beyond)], b = timed.corner_time[previousCorner(beyond)];
+        EXPECT_EQ(timed.order.timeAt(beyond), wing);
+        const std::uint32_t a = timed.order.timeAt(nextCorner(beyond));
+        const std::uint32_t b = timed.order.timeAt(previousCorner(beyond));
         EXPECT_TRUE((a == end && b == s.base) || (a == s.base && b == end));
       };
       expectBeyond(nextCorner(s.base_corner), wings.left, s.left);

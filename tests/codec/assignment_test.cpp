@@ -24,13 +24,13 @@ struct Fixture {
 
   explicit Fixture(Surface s) : surface(std::move(s)) {
     for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
-      vertex_welded.push_back(surface.is_dummy[v] ? kNone : welded_count++);
+      vertex_welded.push_back(surface.isDummy(v) ? kNone : welded_count++);
     }
     input.table_welded.resize(1);
     for (std::uint32_t w = 0; w < welded_count; ++w) input.table_welded[0].push_back(w);
     for (std::uint32_t f = 0; f < surface.faceCount(); ++f) {
       bool dummy = false;
-      for (std::uint32_t c = 3 * f; c < 3 * f + 3; ++c) dummy |= surface.is_dummy[surface.corner_vertex[c]] != 0;
+      for (std::uint32_t c = 3 * f; c < 3 * f + 3; ++c) dummy |= surface.isDummy(surface.corner_vertex[c]);
       input.face_primitive.push_back(dummy ? kNone : 0);
       for (std::uint32_t c = 3 * f; c < 3 * f + 3; ++c) input.corner_vertex.push_back(dummy ? kNone : weldedAt(c));
     }

@@ -23,8 +23,7 @@ Header smallHeader() {
   h.counts.primitive_face_count = {1};
   h.counts.one_vertex_per_position = true;
   h.index_types = {ComponentType::kUint16};
-  h.surface_vertex_count = 4;
-  h.surface_face_count = 4;
+  h.surface = {4, 3, 1};
   return h;
 }
 
@@ -51,12 +50,19 @@ ErrorCode errorOf(const Bytes& bytes) {
   return status ? status->code : ErrorCode::kBoundNotMet;
 }
 
-// lattice, gate, average, traversal; float32, one vertex per position; step 0.25, origin 1 2 3; 1 table, 1 primitive;
-// 3 vertices; table 0 with 2-byte indices, 1 face; 1 surface vertex more (zigzag 2); 4 vertices - 4 / 2 faces (zigzag
-// 4).
+// lattice, gate, average, traversal; float32, one vertex per position, dummies; step 0.25, origin 1 2 3; 1 table, 1
+// primitive; 3 vertices; table 0 with 2-byte indices, 1 face; as many surface vertices and 1 dummy; 4 vertices - 4 / 2
+// faces (zigzag 4).
 TEST(Header, ByHand) {
-  const std::uint8_t expected[] = {0, 3 << 2, 5 | 1 << 5, 0, 0,    0x80, 0x3e, 0, 0, 0x80, 0x3f, 0, 0,
-                                   0, 0x40,   0,          0, 0x40, 0x40, 1,    1, 3, 1,    1,    2, 4};
+  const std::uint8_t expected[] = {0,    3 << 2, 5 | 1 << 5 | 1 << 7,
+                                   0,    0,      0x80,
+                                   0x3e, 0,      0,
+                                   0x80, 0x3f,   0,
+                                   0,    0,      0x40,
+                                   0,    0,      0x40,
+                                   0x40, 1,      1,
+                                   3,    1,      1,
+                                   0,    1,      4};
   const Bytes bytes = written(smallHeader());
   ASSERT_EQ(bytes.size(), std::size(expected));
   for (std::size_t i = 0; i < bytes.size(); ++i) EXPECT_EQ(static_cast<std::uint8_t>(bytes[i]), expected[i]) << i;
@@ -101,8 +107,9 @@ TEST(Header, EveryFieldComesBack) {
       const bool narrow = h.counts.table_vertex_count[h.counts.primitive_table.back()] <= 256;
       h.index_types.push_back(types[narrow ? random() % 3 : 1 + random() % 2]);
     }
-    h.surface_face_count = faces > 0 ? random() % faces * 2 : 0;
-    h.surface_vertex_count = h.surface_face_count > 0 ? random() % h.surface_face_count : 0;
+    h.surface.faces = faces > 0 ? random() % faces * 2 : 0;
+    h.surface.real_vertices = h.surface.faces > 0 ? random() % h.surface.faces : 0;
+    h.surface.dummies = h.surface.faces > 0 && random() % 2 == 0 ? random() % h.surface.faces : 0;
 
     const Bytes bytes = written(h);
     Header back;
@@ -123,8 +130,7 @@ TEST(Header, EveryFieldComesBack) {
     ASSERT_EQ(back.step, h.step);
     ASSERT_EQ(back.origin, h.origin);
     ASSERT_EQ(back.anchor, h.anchor);
-    ASSERT_EQ(back.surface_vertex_count, h.surface_vertex_count);
-    ASSERT_EQ(back.surface_face_count, h.surface_face_count);
+    ASSERT_EQ(back.surface, h.surface);
     ASSERT_EQ(back.counts.table_vertex_count, h.counts.table_vertex_count);
     ASSERT_EQ(back.counts.primitive_table, h.counts.primitive_table);
     ASSERT_EQ(back.counts.primitive_face_count, h.counts.primitive_face_count);
@@ -149,7 +155,7 @@ TEST(Header, RefusesWhatIsUndefined) {
   EXPECT_EQ(changed(0, 1), ErrorCode::kUnsupportedVersion);
   EXPECT_EQ(changed(1, 5 << 2), ErrorCode::kReservedBits) << "predictor 5";
   EXPECT_EQ(changed(1, 3 << 2 | 2), ErrorCode::kReservedBits) << "a basis in lattice mode";
-  EXPECT_EQ(changed(2, 5 | 1 << 7), ErrorCode::kReservedBits);
+  EXPECT_EQ(changed(25, 0), ErrorCode::kReservedBits) << "no dummies where there should be some";
   for (const int type : {4, 6, 7}) EXPECT_EQ(changed(2, type), ErrorCode::kReservedBits);
   EXPECT_EQ(changed(2, 2), ErrorCode::kReservedBits) << "integers that are not anchored";
   EXPECT_EQ(changed(6, 0xbe), ErrorCode::kReservedBits) << "negative step";
@@ -185,8 +191,10 @@ TEST(Header, RefusesBadNumbers) {
   });
   refuses(ErrorCode::kLimitExceeded, [](Header& h) { h.counts.table_vertex_count[0] = (1u << 29) + 1; });
   refuses(ErrorCode::kLimitExceeded, [](Header& h) { h.counts.primitive_face_count[0] = (1u << 29) + 1; });
-  refuses(ErrorCode::kInvalidCount, [](Header& h) { h.surface_face_count = 6; });
-  refuses(ErrorCode::kInvalidCount, [](Header& h) { h.surface_vertex_count = 13; });
+  refuses(ErrorCode::kInvalidCount, [](Header& h) { h.surface.faces = 6; });
+  refuses(ErrorCode::kInvalidCount, [](Header& h) { h.surface.real_vertices = 12; });
+  refuses(ErrorCode::kInvalidCount, [](Header& h) { h.surface.dummies = 10; });
+  refuses(ErrorCode::kLimitExceeded, [](Header& h) { h.surface.dummies = (1u << 29) + 1; });
 }
 
 TEST(Header, RefusesVarintsOfNonMinimalLength) {

@@ -192,8 +192,7 @@ Bytes headerThatClaims(std::uint32_t vertices, std::uint32_t faces, std::uint32_
   header.counts.primitive_face_count = {faces};
   header.counts.one_vertex_per_position = one_vertex_per_position;
   header.index_types = {ComponentType::kUint32};
-  header.surface_vertex_count = surface_vertices;
-  header.surface_face_count = surface_faces;
+  header.surface = {surface_faces, surface_vertices, 0};
   Bytes bytes;
   writeHeader(header, bytes);
   return bytes;

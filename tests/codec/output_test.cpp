@@ -19,10 +19,10 @@ Written write(const Header& header, const std::vector<std::uint32_t>& numbers, c
               const std::vector<std::uint32_t>& indices) {
   Assignment assignment;
   assignment.table_position = {numbers};
-  assignment.primitive_indices = {indices};
+  assignment.primitive_indices.emplace_back(indices.begin(), indices.end());
   Written result;
   for (const OutputInfo& info : outputsOf(header)) result.outputs.emplace_back(info.byte_length, std::byte{0xee});
-  result.status = writeOutputs(header, assignment, positions, test::spansOf(result.outputs));
+  result.status = writeOutputs(header, assignment, {{}, positions}, test::spansOf(result.outputs));
   return result;
 }
 

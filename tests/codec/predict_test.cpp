@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <random>
 
 #include "surface_builders.h"
@@ -93,57 +94,59 @@ TEST(Predict, WeightedFallsBackWhereAnglesGiveNoTriangle) {
   EXPECT_EQ(weightedParallelogram(left, right, base, {kHalfTurn - 256, 256, 0}), left + right - base);
 }
 
-/// A torus whose vertices are coded in the order of their numbers.
+/// A torus whose vertices are coded in the order of their numbers, or another.
 class ExpectedAnglesTest : public testing::Test {
  protected:
   ExpectedAnglesTest() : surface_(test::torus(4, 4)), states_(surface_.vertexCount()) {
+    map_ = {std::vector<std::uint32_t>(surface_.vertexCount()), surface_.vertexCount()};
+    std::iota(map_.vertex_position.begin(), map_.vertex_position.end(), 0);
     for (std::uint32_t v = 0; v < surface_.vertexCount(); ++v) {
       states_[v].point = Integers{static_cast<int>(v % 4) * 1000, static_cast<int>(v / 4) * 1000, 0, 6};
     }
   }
-  ExpectedAngles expected(std::uint32_t time, std::uint32_t stencil_corner, std::int32_t valence, bool use_known) const {
-    return expectedAngles({surface_, surface_.corner_vertex, states_}, time, stencil_corner, valence, use_known);
+  ExpectedAngles expected(std::uint32_t time, std::uint32_t face, std::int32_t valence, bool use_known) const {
+    return expectedAngles({codingOrder(surface_, map_, Order::kTraversal), states_}, time, face, valence, use_known);
   }
 
   Surface surface_;
+  PositionMap map_;
   std::vector<VertexState> states_;
 };
 
 TEST_F(ExpectedAnglesTest, ByValence) {
-  // Corner 2 of face 0: the gate is 0-1, the vertex 5.
-  ExpectedAngles angles = expected(5, 2, 6, false);
+  // Face 0: the gate is 0-1, the vertex 5.
+  ExpectedAngles angles = expected(5, 0, 6, false);
   EXPECT_NEAR(static_cast<double>(angles.left), kHalfTurn / 3.0, 2);
   EXPECT_NEAR(static_cast<double>(angles.right), kHalfTurn / 3.0, 2);
   EXPECT_EQ(angles.left + angles.right + angles.tip, kHalfTurn);
   // Valences 4, 8, 8: pi/2, pi/4, pi/4 already sum to a half turn.
   states_[0].point[3] = 4;
   states_[1].point[3] = 8;
-  angles = expected(5, 2, 8, false);
+  angles = expected(5, 0, 8, false);
   EXPECT_EQ(angles.left, kHalfTurn / 2);
   EXPECT_EQ(angles.right, kHalfTurn / 4);
 }
 
 TEST_F(ExpectedAnglesTest, ValencesBeyondAByteMakeNoDifference) {
-  const ExpectedAngles most = expected(5, 2, 255, false), more = expected(5, 2, 1 << 28, false);
+  const ExpectedAngles most = expected(5, 0, 255, false), more = expected(5, 0, 1 << 28, false);
   EXPECT_EQ(most.left, more.left);
   EXPECT_EQ(most.tip, more.tip);
-  const ExpectedAngles least = expected(5, 2, 3, false), less = expected(5, 2, 1, false);
+  const ExpectedAngles least = expected(5, 0, 3, false), less = expected(5, 0, 1, false);
   EXPECT_EQ(least.left, less.left);
 }
 
 TEST_F(ExpectedAnglesTest, KnownTrianglesLeaveTheRest) {
   // All but vertex 10 known, in a plane of squares: at each end of its gate 5-6 two of six angles are left. Those two
   // are 90 + 45 or 45 + 90 degrees.
-  std::vector<std::uint32_t> time = surface_.corner_vertex;
-  for (std::uint32_t& t : time) t = t == 10 ? 15 : t == 15 ? 10 : t;
+  std::swap(map_.vertex_position[10], map_.vertex_position[15]);
   std::swap(states_[10].point, states_[15].point);
-  std::uint32_t corner = 0;
-  for (std::uint32_t c = 0; c < time.size(); ++c) {
-    if (time[c] == 15 && time[nextCorner(c)] == 5 && time[previousCorner(c)] == 6) corner = (c / 3) << 2 | c % 3;
+  std::uint32_t face = 0;
+  for (std::uint32_t c = 0; c < surface_.corner_vertex.size(); ++c) {
+    const bool gate = surface_.corner_vertex[nextCorner(c)] == 5 && surface_.corner_vertex[previousCorner(c)] == 6;
+    if (surface_.corner_vertex[c] == 10 && gate) face = c - c % 3;
   }
-  ASSERT_NE(corner, 0u);
-  const AngleContext context{surface_, time, states_};
-  const ExpectedAngles angles = expectedAngles(context, 15, corner, 6, true);
+  ASSERT_NE(face, 0u);
+  const ExpectedAngles angles = expected(15, face, 6, true);
   // Left: 360 - 4 known; right likewise; the tip a sixth of a turn.
   const double left = static_cast<double>(angles.left), right = static_cast<double>(angles.right);
   EXPECT_EQ(angles.left + angles.right + angles.tip, kHalfTurn);

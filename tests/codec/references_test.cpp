@@ -14,6 +14,7 @@ namespace {
 double roundTrip(const Surface& surface, const std::vector<std::uint32_t>& vertex_welded, std::uint32_t welded_count) {
   std::vector<std::uint32_t> welded_position;
   const PositionMap map = numberPositions(vertex_welded, welded_count, welded_position);
+  if (map.isIdentity()) return 0;
   EntropyWriter writer;
   encodeReferences(surface, map, true, writer);
   std::vector<std::byte> bytes;
@@ -32,7 +33,7 @@ std::vector<std::uint32_t> ownPositions(const Surface& surface) {
   std::vector<std::uint32_t> welded(surface.vertexCount());
   std::iota(welded.begin(), welded.end(), 0);
   for (std::uint32_t v = 0; v < welded.size(); ++v) {
-    if (surface.is_dummy[v]) welded[v] = kNone;
+    if (surface.isDummy(v)) welded[v] = kNone;
   }
   return welded;
 }
@@ -49,8 +50,8 @@ TEST(References, WithoutRepeatsNothingIsCoded) {
   EntropyReader reader(bytes);
   PositionMap decoded;
   ASSERT_FALSE(decodeReferences(surface, false, reader, decoded));
-  EXPECT_EQ(decoded.vertex_position, map.vertex_position);
-  EXPECT_EQ(decoded.vertex_position.back(), kNone);
+  EXPECT_TRUE(map.isIdentity());
+  EXPECT_TRUE(decoded.isIdentity());
   EXPECT_EQ(decoded.position_count, 20u);
 }
 
@@ -99,7 +100,7 @@ TEST(References, HostileBytesEndInAnErrorOrInAMap) {
       continue;
     }
     for (std::uint32_t v = 0; v < surface.vertexCount(); ++v) {
-      if (!surface.is_dummy[v]) {
+      if (!surface.isDummy(v)) {
         EXPECT_LT(map.vertex_position[v], map.position_count);
       }
     }

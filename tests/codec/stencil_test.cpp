@@ -14,55 +14,56 @@ namespace {
 
 /// What a position should find, by looking at every corner there is.
 struct Found {
-  std::vector<std::uint32_t> corners;  ///< as in Stencils
-  std::uint32_t last_gate = kNone;     ///< the last with a known gate
+  std::vector<std::uint32_t> corners;  ///< of stencils
+  std::uint32_t last_gate = kNone;     ///< the last with a known gate, while there is no stencil
   std::int32_t valence = 0;
 };
 
-Found searched(const Surface& surface, const std::vector<std::uint32_t>& time, std::uint32_t own) {
+Found searched(const CodingOrder& order, std::uint32_t own) {
   Found found;
-  for (std::uint32_t c = 0; c < time.size(); ++c) {
-    if (time[c] != own) continue;
+  const Surface& surface = *order.surface;
+  for (std::uint32_t c = 0; c < surface.corner_vertex.size(); ++c) {
+    if (order.timeAt(c) != own) continue;
     ++found.valence;
-    if (time[nextCorner(c)] >= own || time[previousCorner(c)] >= own) continue;
-    const std::uint32_t corner = (c / 3) << 2 | c % 3;
-    found.last_gate = corner;
-    if (time[surface.opposite[c]] < own) found.corners.push_back(corner);
+    if (order.timeAt(nextCorner(c)) >= own || order.timeAt(previousCorner(c)) >= own) continue;
+    if (order.vertex_time.empty() && c % 3 != 0) continue;
+    if (found.corners.empty()) found.last_gate = c;
+    if (order.timeAt(surface.opposite[c]) < own) found.corners.push_back(c);
   }
   return found;
 }
 
-void expectAsSearched(const Surface& surface, const std::vector<std::uint32_t>& time, std::uint32_t count) {
-  std::vector<VertexState> states(count);
-  collectStencils(surface, time, states);
+void expectAsSearched(const CodingOrder& order, std::uint32_t count) {
+  const Surface& surface = *order.surface;
+  Buffer<VertexState> states(count);
+  collectStencils(order, states);
   for (std::uint32_t t = 0; t < count; ++t) {
-    const Stencils s = stencilsOf(states[t]);
-    const Found found = searched(surface, time, t);
+    const Stencils s(states[t], order.corner_time);
+    const Found found = searched(order, t);
     ASSERT_EQ(s.valence, found.valence) << t;
     ASSERT_EQ(s.count, std::min<int>(static_cast<int>(found.corners.size()), kMaxStencils)) << t;
-    for (int j = 0; j < s.count; ++j) {
-      const std::uint32_t corner = s.corner[static_cast<std::size_t>(j)];
-      ASSERT_EQ(corner, found.corners[static_cast<std::size_t>(j)]) << t;
-      const Parallelogram p = parallelogramAt(surface, time, corner);
-      const std::uint32_t c = 3 * (corner >> 2) + (corner & 3);
-      ASSERT_EQ(p.left, time[nextCorner(c)]);
-      ASSERT_EQ(p.right, time[previousCorner(c)]);
-      ASSERT_EQ(p.base, time[surface.opposite[c]]);
-    }
-    for (int j = s.count; s.count > 0 && j < kMaxStencils; ++j) {
-      ASSERT_EQ(s.corner[static_cast<std::size_t>(j)], s.corner[0]) << "beyond, the first again";
+    for (std::size_t j = 0; j < kMaxStencils && s.count > 0; ++j) {
+      const std::uint32_t c = found.corners[static_cast<int>(j) < s.count ? j : 0];
+      ASSERT_EQ(s[j].left, order.timeAt(nextCorner(c)));
+      ASSERT_EQ(s[j].right, order.timeAt(previousCorner(c)));
+      ASSERT_EQ(s[j].base, order.timeAt(surface.opposite[c]));
+      if (static_cast<int>(j) < s.count) {
+        ASSERT_EQ(order.firstCorner(s.face(j)), c) << t;
+      }
     }
     if (s.count == 0) {
-      ASSERT_EQ(s.corner[0], found.last_gate) << t;
+      ASSERT_EQ(s.hasGate(), found.last_gate != kNone) << t;
+      if (s.hasGate()) {
+        ASSERT_EQ(order.firstCorner(s.face(0)), found.last_gate) << t;
+      }
     }
   }
 }
 
-/// Times of corners where vertices have these, dummies none.
-std::vector<std::uint32_t> cornerTimes(const Surface& surface, const std::vector<std::uint32_t>& vertex_time) {
-  std::vector<std::uint32_t> time;
-  for (const std::uint32_t v : surface.corner_vertex) time.push_back(surface.is_dummy[v] ? kNone : vertex_time[v]);
-  return time;
+/// The map that gives vertices these times in traversal order.
+PositionMap mapOf(const Surface& surface, std::vector<std::uint32_t> vertex_time, std::uint32_t count) {
+  for (std::uint32_t v = surface.real_count; v < vertex_time.size(); ++v) vertex_time[v] = kNone;
+  return {std::move(vertex_time), count};
 }
 
 TEST(Stencil, AsALookAtAllCornersTellsInAnyOrder) {
@@ -74,6 +75,7 @@ TEST(Stencil, AsALookAtAllCornersTellsInAnyOrder) {
     if (surface.vertexCount() < 400) surfaces.push_back(std::move(surface));
   }
   for (const Surface& surface : surfaces) {
+    expectAsSearched(codingOrder(surface, {{}, surface.real_count}, Order::kTraversal), surface.real_count);
     std::vector<std::uint32_t> vertex_time(surface.vertexCount());
     for (int run = 0; run < 4; ++run) {
       std::iota(vertex_time.begin(), vertex_time.end(), 0);
@@ -84,7 +86,8 @@ TEST(Stencil, AsALookAtAllCornersTellsInAnyOrder) {
         count = count / 3 + 1;
         for (std::uint32_t& time : vertex_time) time %= count;
       }
-      expectAsSearched(surface, cornerTimes(surface, vertex_time), count);
+      const PositionMap map = mapOf(surface, vertex_time, count);
+      expectAsSearched(codingOrder(surface, map, Order::kTraversal), count);
       if (testing::Test::HasFatalFailure()) return;
     }
   }
@@ -95,22 +98,23 @@ TEST(Stencil, OnAGrid) {
   const Surface surface = test::grid(4, 4);
   std::vector<std::uint32_t> vertex_time(surface.vertexCount());
   std::iota(vertex_time.begin(), vertex_time.end(), 0);
-  const std::vector<std::uint32_t> time = cornerTimes(surface, vertex_time);
-  std::vector<VertexState> states(16);
-  collectStencils(surface, time, states);
+  const PositionMap map = mapOf(surface, vertex_time, 16);
+  const CodingOrder order = codingOrder(surface, map, Order::kTraversal);
+  Buffer<VertexState> states(16);
+  collectStencils(order, states);
   // In reading order vertex 5 has the gates 0-1 and 4-0; beyond both lies the border.
-  const Stencils five = stencilsOf(states[5]);
+  const Stencils five(states[5], order.corner_time);
   EXPECT_EQ(five.count, 0);
-  EXPECT_NE(five.corner[0], kNone) << "a gate without a base vertex";
+  EXPECT_TRUE(five.hasGate()) << "a gate without a base vertex";
   EXPECT_EQ(five.valence, 6);
   // Vertex 10 = (2, 2): gates 5-6 with base 1, and 9-5 with base 4.
-  const Stencils ten = stencilsOf(states[10]);
+  const Stencils ten(states[10], order.corner_time);
   ASSERT_EQ(ten.count, 2);
-  const Parallelogram p = parallelogramAt(surface, time, ten.corner[0]);
+  const Parallelogram p = ten[0];
   EXPECT_EQ((std::array{p.left, p.right, p.base}), (std::array{5u, 6u, 1u}));
-  const Stencils first = stencilsOf(states[0]);
+  const Stencils first(states[0], order.corner_time);
   EXPECT_EQ(first.count, 0);
-  EXPECT_EQ(first.corner[0], kNone);
+  EXPECT_FALSE(first.hasGate());
 }
 
 TEST(Stencil, KeepsTheFirst) {
@@ -128,15 +132,16 @@ TEST(Stencil, KeepsTheFirst) {
   }
   const Surface surface = test::closedSurface(dummy + 1, 1, corners);
   std::vector<std::uint32_t> vertex_time(surface.vertexCount());
-  std::iota(vertex_time.begin(), vertex_time.end(), 0);
-  vertex_time[0] = dummy;
+  vertex_time[0] = dummy - 1;
   for (std::uint32_t v = 1; v < dummy; ++v) vertex_time[v] = v - 1;
-  std::vector<VertexState> states(dummy + 1);
-  collectStencils(surface, cornerTimes(surface, vertex_time), states);
-  const Stencils stencils = stencilsOf(states[dummy]);
+  Buffer<VertexState> states(dummy);
+  const PositionMap map = mapOf(surface, vertex_time, dummy);
+  const CodingOrder order = codingOrder(surface, map, Order::kTraversal);
+  collectStencils(order, states);
+  const Stencils stencils(states[dummy - 1], order.corner_time);
   EXPECT_EQ(stencils.count, kMaxStencils);
   EXPECT_EQ(stencils.valence, static_cast<std::int32_t>(kRing));
-  for (std::uint32_t j = 0; j < kMaxStencils; ++j) EXPECT_EQ(stencils.corner[j] >> 2, 4 * j) << "faces in their order";
+  for (std::uint32_t j = 0; j < kMaxStencils; ++j) EXPECT_EQ(stencils.face(j), 3 * 4 * j) << "faces in their order";
 }
 
 TEST(Stencil, StatesSaturate) {

@@ -13,11 +13,11 @@ namespace tsc::test {
 
 /// A surface from closed, oriented triangles; the last `dummy_count` vertices are dummies.
 inline Surface closedSurface(std::uint32_t vertex_count, std::uint32_t dummy_count,
-                             std::vector<std::uint32_t> corner_vertex) {
+                             const std::vector<std::uint32_t>& corner_vertex) {
   Surface surface;
   surface.vertex_corner.assign(vertex_count, kNone);
-  surface.is_dummy.assign(vertex_count, 0);
-  for (std::uint32_t v = vertex_count - dummy_count; v < vertex_count; ++v) surface.is_dummy[v] = 1;
+  surface.real_count = vertex_count - dummy_count;
+  surface.dummy_count = dummy_count;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> corner_facing;
   for (std::uint32_t c = 0; c < corner_vertex.size(); ++c) {
     if (surface.vertex_corner[corner_vertex[c]] == kNone) surface.vertex_corner[corner_vertex[c]] = c;
@@ -26,7 +26,7 @@ inline Surface closedSurface(std::uint32_t vertex_count, std::uint32_t dummy_cou
   for (std::uint32_t c = 0; c < corner_vertex.size(); ++c) {
     surface.opposite.push_back(corner_facing.at({corner_vertex[previousCorner(c)], corner_vertex[nextCorner(c)]}));
   }
-  surface.corner_vertex = std::move(corner_vertex);
+  surface.corner_vertex.assign(corner_vertex.begin(), corner_vertex.end());
   return surface;
 }
 

@@ -13,7 +13,7 @@ inline void expectClosedManifold(const Surface& surface) {
   const std::uint32_t corners = 3 * surface.faceCount();
   ASSERT_EQ(surface.corner_vertex.size(), corners);
   ASSERT_EQ(surface.opposite.size(), corners);
-  ASSERT_EQ(surface.is_dummy.size(), surface.vertexCount());
+  ASSERT_EQ(surface.vertex_corner.size(), surface.vertexCount());
   std::vector<std::uint32_t> degree(surface.vertexCount(), 0);
   for (std::uint32_t c = 0; c < corners; ++c) {
     const std::uint32_t o = surface.opposite[c];
@@ -33,8 +33,8 @@ inline void expectClosedManifold(const Surface& surface) {
     std::uint32_t corner = first;
     do {
       ASSERT_EQ(surface.corner_vertex[corner], v);
-      if (surface.is_dummy[v]) {
-        ASSERT_FALSE(surface.is_dummy[surface.corner_vertex[nextCorner(corner)]]);
+      if (surface.isDummy(v)) {
+        ASSERT_FALSE(surface.isDummy(surface.corner_vertex[nextCorner(corner)]));
       }
       corner = nextAroundVertex(surface, corner);
       ++turns;

@@ -15,7 +15,7 @@ namespace {
 CutMesh cut(const meshes::Triangles& mesh) { return cutToManifold(mesh.positions, mesh.indices); }
 
 std::uint32_t dummyCount(const CutMesh& cut) {
-  return static_cast<std::uint32_t>(std::count(cut.surface.is_dummy.begin(), cut.surface.is_dummy.end(), 1));
+  return cut.surface.dummy_count;
 }
 
 std::uint32_t realVertexCount(const CutMesh& cut) { return cut.surface.vertexCount() - dummyCount(cut); }
@@ -32,8 +32,8 @@ void expectFaithful(const meshes::Triangles& mesh, const CutMesh& cut) {
     bool has_dummy = false;
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t vertex = cut.surface.corner_vertex[3 * face + k];
-      has_dummy |= cut.surface.is_dummy[vertex] != 0;
-      ASSERT_EQ(cut.surface.is_dummy[vertex] != 0, cut.welded_vertex[vertex] == kNone);
+      has_dummy |= cut.surface.isDummy(vertex);
+      ASSERT_EQ(cut.surface.isDummy(vertex), cut.welded_vertex[vertex] == kNone);
       if (input != kNone) {
         ASSERT_EQ(cut.welded_vertex[vertex], mesh.indices[3 * input + k]);
       }

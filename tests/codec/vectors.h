@@ -200,7 +200,7 @@ class HeaderWalk {
     bits("has references", 2, second, 4, 1, {});
     bits("one vertex per position", 2, second, 5, 1, {});
     bits("centred only", 2, second, 6, 1, {});
-    bits("reserved", 2, second, 7, 1, {});
+    const unsigned has_dummies = bits("has dummies", 2, second, 7, 1, {});
     if (mode == 1) {
       byte();
       field("normal scale - 1", 3, static_cast<unsigned>(bytes_[3]));
@@ -220,7 +220,8 @@ class HeaderWalk {
       varint("4 * table + log2(index bytes)");
       varint("triangle count of a primitive");
     }
-    signedVarint("surface vertices - table vertices");
+    signedVarint("real surface vertices - table vertices");
+    if (has_dummies) varint("dummies");
     signedVarint("surface vertices - surface faces / 2");
   }
 

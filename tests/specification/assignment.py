@@ -24,7 +24,7 @@ class References:
         self.copies = [0] * surface.vertex_count()
         self.following, self.preceding = {}, {}
         for c, v in enumerate(surface.vertex):
-            if surface.is_dummy[v]:
+            if surface.is_dummy(v):
                 self.following[surface.next_vertex(c)] = surface.previous_vertex(c)
                 self.preceding[surface.previous_vertex(c)] = surface.next_vertex(c)
         self.repeats, self.which, self.back = defaultdict(BitModel), defaultdict(SymbolModel), IntegerModel()
@@ -113,11 +113,8 @@ def decode_references(header, surface, reader):
     """Position numbers of the vertices, None for dummies, and how many positions there are."""
     if header.has_references:
         return References(surface, reader).run()
-    numbers = [None] * surface.vertex_count()
     real = surface.real_vertices()
-    for number, v in enumerate(real):
-        numbers[v] = number
-    return numbers, len(real)
+    return [*real] + [None] * (surface.vertex_count() - len(real)), len(real)
 
 
 # ---------------------------------------------------------------------------- 7.2 Primitives of faces

@@ -18,14 +18,18 @@ def previous_corner(c):
 class Surface:
     """A closed triangle manifold as a corner table (section 1.4), dummies included."""
 
-    def __init__(self):
+    def __init__(self, real_count):
         self.vertex = []         # of each corner
         self.opposite = []       # of each corner
-        self.vertex_corner = []  # of each vertex
-        self.is_dummy = []       # of each vertex
+        self.vertex_corner = {}  # of each vertex
+        self.real_count = real_count
+        self.real = self.dummies = 0  # how many there are so far
 
     def vertex_count(self):
-        return len(self.vertex_corner)
+        return self.real + self.dummies
+
+    def is_dummy(self, v):
+        return v >= self.real_count
 
     def face_count(self):
         return len(self.vertex) // 3
@@ -40,10 +44,10 @@ class Surface:
         return self.vertex[self.opposite[c]]
 
     def is_real_face(self, f):
-        return not any(self.is_dummy[v] for v in self.vertex[3 * f:3 * f + 3])
+        return not any(self.is_dummy(v) for v in self.vertex[3 * f:3 * f + 3])
 
     def real_vertices(self):
-        return [v for v in range(self.vertex_count()) if not self.is_dummy[v]]
+        return range(self.real_count)
 
     def turn(self, c):
         return next_corner(self.opposite[next_corner(c)])
@@ -57,10 +61,16 @@ class Surface:
             if c == first:
                 return
 
-    def add_vertex(self, corner, is_dummy):
-        self.vertex_corner.append(corner)
-        self.is_dummy.append(is_dummy)
-        return self.vertex_count() - 1
+    def add_vertex(self, corner):
+        self.real += 1
+        self.vertex_corner[self.real - 1] = corner
+        return self.real - 1
+
+    def add_dummy(self, corner):
+        vertex = self.real_count + self.dummies
+        self.dummies += 1
+        self.vertex_corner[vertex] = corner
+        return vertex
 
     def add_face(self, a, b, c):
         """Returns the face's corner 0."""
@@ -167,15 +177,16 @@ class Gate:
 
 
 class Growth:
-    """Grows a surface with the header's V vertices and F faces."""
+    """Grows a surface with the header's R real vertices, D dummies and F faces."""
 
-    def __init__(self, vertex_count, face_count, is_max_effort, reader):
-        self.vertex_count = vertex_count
+    def __init__(self, real_count, dummy_count, face_count, is_max_effort, reader):
+        self.real_count = real_count
+        self.dummy_count = dummy_count
         self.face_count = face_count
         self.reader = reader
-        self.surface = Surface()
+        self.surface = Surface(real_count)
         self.front = Front()
-        self.tips = MixedTips(vertex_count) if is_max_effort else TipModel(vertex_count)
+        self.tips = (MixedTips if is_max_effort else TipModel)(real_count + dummy_count)
         self.start_degree, self.split_distance, self.split_side = SymbolModel(), SymbolModel(), BitModel()
         self.dummy_degree, self.large_degree = IntegerModel(), IntegerModel()
         self.right = [IntegerModel() for _ in range(16)]
@@ -193,12 +204,13 @@ class Growth:
                 self.extend(pivot)
         require(not front.nodes, "the front is not empty after the last face")
         require(self.surface.face_count() == self.face_count, "more faces than the header says")
-        require(self.surface.vertex_count() == self.vertex_count, "fewer vertices than the header says")
+        require(self.surface.real == self.real_count, "fewer vertices than the header says")
+        require(self.surface.dummies == self.dummy_count, "fewer dummies than the header says")
         return self.surface
 
     def start_component(self):
         surface = self.surface
-        require(self.vertex_count - surface.vertex_count() >= 3, "no vertices left for a component")
+        require(self.real_count - surface.real >= 3, "no vertices left for a component")
         degrees = []
         for _ in range(3):
             degree = self.start_degree.get(self.reader)
@@ -209,7 +221,7 @@ class Growth:
         corner = surface.add_face(None, None, None)
         nodes = []
         for k in range(3):
-            surface.vertex[corner + k] = surface.add_vertex(corner + k, False)
+            surface.vertex[corner + k] = surface.add_vertex(corner + k)
             node = self.front.new_node(surface.vertex[corner + k], class_of(degrees[k]), degrees[k] - 2)
             nodes.append(node)
             self.front.enter_queue(node)
@@ -227,16 +239,22 @@ class Growth:
         last = before.free == 0 or after.free == 0
         if last:
             require(after.next is before and before.free == after.free, "a sector has too few faces")
-        corner = self.surface.add_face(before.vertex, node.vertex, after.vertex)
-        self.surface.glue(corner, node.corner)
-        self.surface.glue(corner + 2, before.corner)
+        if after.vertex > before.vertex:
+            at_after = self.surface.add_face(after.vertex, before.vertex, node.vertex)
+            at_before = at_after + 1
+        else:
+            at_before = self.surface.add_face(before.vertex, node.vertex, after.vertex)
+            at_after = at_before + 2
+        at_node = next_corner(at_before)
+        self.surface.glue(at_before, node.corner)
+        self.surface.glue(at_after, before.corner)
         if last:
-            self.surface.glue(corner + 1, after.corner)
+            self.surface.glue(at_node, after.corner)
             self.front.remove(before)
             self.front.remove(after)
         else:
             link(before, after)
-            before.corner = corner + 1
+            before.corner = at_node
             before.facing = node.vertex_class
             before.free -= 1
             self.front.enter_queue(before)
@@ -260,8 +278,12 @@ class Growth:
         else:
             degree = self.decode_degree(symbol)
             is_dummy = symbol == TIP_DUMMY
-            require(surface.vertex_count() < self.vertex_count, "more vertices than the header says")
-            vertex = surface.add_vertex(corner, is_dummy)
+            if is_dummy:
+                require(surface.dummies < self.dummy_count, "more dummies than the header says")
+                vertex = surface.add_dummy(corner)
+            else:
+                require(surface.real < self.real_count, "more vertices than the header says")
+                vertex = surface.add_vertex(corner)
             tip = front.new_node(vertex, DUMMY_CLASS if is_dummy else class_of(degree), degree - 2)
             link(start, tip)
         link(tip, end)
@@ -353,4 +375,4 @@ class TipModel:
 
 def decode_surface(header, reader):
     """The stage of section 5."""
-    return Growth(header.surface_vertices, header.surface_faces, header.is_max_effort, reader).run()
+    return Growth(header.real_count, header.dummy_count, header.surface_faces, header.is_max_effort, reader).run()

@@ -115,13 +115,13 @@ class Header:
         (self.is_tangent, self.is_tip_aligned, self.predictor, self.is_degree_order, self.exact_hits,
          self.is_max_effort) = fields.flags(1, 1, 3, 1, 1, 1)
         (self.position_type, self.is_anchored, self.has_references, self.one_vertex_per_position,
-         self.centred_only, reserved) = fields.flags(3, 1, 1, 1, 1, 1)
+         self.centred_only, has_dummies) = fields.flags(3, 1, 1, 1, 1, 1)
         require(self.predictor <= 4, "no such predictor")
         require(self.is_tangent or not self.is_tip_aligned, "a basis in lattice mode")
         require(self.position_type in POSITION_TYPES, "no such position type")
         if self.position_type != FLOAT32:
             require(self.is_anchored and not self.is_tangent, "integers that are not anchored in lattice mode")
-        require(reserved == 0, "reserved bits are set")
+        self.dummy_count = None if has_dummies else 0
         require(not self.centred_only or not self.is_max_effort, "centred only at effort max")
         self.fine_bits = 6 if self.is_tangent else 0
 
@@ -139,11 +139,15 @@ class Header:
             self.index_types.append(INDEX_TYPES[index_type])
             self.primitive_table.append(table)
             self.triangle_counts.append(fields.varint(2**29, "triangle count"))
-        self.surface_vertices = sum(self.vertex_counts) + fields.signed_varint()
-        self.surface_faces = 2 * (self.surface_vertices - fields.signed_varint())
+        self.real_count = sum(self.vertex_counts) + fields.signed_varint()
+        if self.dummy_count is None:
+            self.dummy_count = fields.varint(2**29, "dummies")
+            require(self.dummy_count > 0, "no dummies where there should be some")
+        vertices = self.real_count + self.dummy_count
+        self.surface_faces = 2 * (vertices - fields.signed_varint())
         most = min(4 * sum(self.triangle_counts), 2**29 // 3)
         require(0 <= self.surface_faces <= most, "number of faces out of range")
-        require(0 <= self.surface_vertices <= 3 * self.surface_faces, "number of vertices out of range")
+        require(0 <= self.real_count and vertices <= 3 * self.surface_faces, "number of vertices out of range")
 
     def output_bytes(self):
         """Section 2.3."""

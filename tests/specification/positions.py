@@ -45,12 +45,12 @@ class DegreeOrder:
         self.places = []                           # position numbers in the order of decoding
         self.placed = set()
         self.met = [False] * surface.vertex_count()
-        self.taken = list(surface.is_dummy)
+        self.taken = [surface.is_dummy(v) for v in range(surface.vertex_count())]
         self.degree = [0] * surface.vertex_count()
         self.queues = [None, deque(), deque(), deque()]
 
     def run(self):
-        for v in range(self.surface.vertex_count()):
+        for v in self.surface.real_vertices():
             if self.taken[v]:
                 continue
             c = self.surface.vertex_corner[v]
@@ -103,8 +103,8 @@ class Around:
         self.valence = 0
 
 
-def collect_stencils(surface, time, position_count):
-    """By time."""
+def collect_stencils(surface, time, position_count, has_own_order):
+    """By time. `has_own_order`: of the positions, which is not that of the vertices."""
     all_around = [Around() for _ in range(position_count)]
     for f in range(surface.face_count()):
         times = [time[3 * f + k] for k in range(3)]
@@ -113,10 +113,10 @@ def collect_stencils(surface, time, position_count):
                 all_around[t].valence += 1
         if INFINITE in times:
             continue
-        k = 2 if times[2] > max(times[:2]) else int(times[1] > times[0])
+        k = times.index(max(times)) if has_own_order else 0
         c, t = 3 * f + k, times[k]
         around = all_around[t]
-        if times.count(t) > 1 or len(around.list) == 3:
+        if sum(other >= t for other in times) > 1 or len(around.list) == 3:
             continue
         around.last_gate = c
         if time[surface.opposite[c]] < t:
@@ -456,7 +456,8 @@ class Positions:
         self.places = DegreeOrder(surface, numbers).run() if header.is_degree_order else range(position_count)
         time_of = {position: time for time, position in enumerate(self.places)}
         self.time = [time_of.get(numbers[v], INFINITE) for v in surface.vertex]  # by corner
-        self.around = collect_stencils(surface, self.time, position_count)
+        self.around = collect_stencils(surface, self.time, position_count,
+                                       header.is_degree_order or header.has_references)
         self.states = []                           # by time
         self.step = steps_of(header)
         self.residuals = ResidualReader(header, reader)
