@@ -115,7 +115,7 @@ Trial bestPositions(const PositionInput& input, const Header& header, const Enco
   if (options.effort == Effort::kDefault) {
     constexpr std::uint32_t kLarge = 1 << 13;
     // Candidates take a fifth of the time to decode, and must be worth it on meshes whose time counts.
-    const double worth = input.map.position_count < kLarge ? 1 : 1.02;
+    const double worth = input.map.position_count < kLarge ? 1 : 1.04;
     PositionParameters faster = best.parameters;
     faster.candidates = faster.exact_hits = false;
     if (trials.run(faster, sample, false).cost() < worth * best.cost()) best.parameters = faster;

@@ -68,7 +68,7 @@ class PositionCoder {
         order_(order),
         states_(states),
         step_(stepsOf(parameters)),
-        residuals_(direction, parameters.exact_hits, bitsOf(step_)) {
+        residuals_(direction, parameters.exact_hits, parameters.predictor == Predictor::kParallelogram, bitsOf(step_)) {
     const std::array<int, 3> bits = bitsOf(step_);
     step_bits_ = Integers{bits[0], bits[1], bits[2], 0};
     if (parameters.effort == Effort::kMax) {
@@ -135,8 +135,8 @@ class PositionCoder {
     p.offset = Integers{};
     if (adaptive_) {
       const int left = p.left()->valence(), right = p.right()->valence(), base = p.base()->valence();
-      features_ = Features(p.frame, surroundingOf(p), stencils.valence - 6, left - right, left + right - base - 6);
-      p.offset = offsets_[p.count_class].offset(features_) << parameters_.vector_shift;
+      features_ = Features(p.frame, surroundingOf<kTangent>(p), stencils.valence - 6, left - right, left + right - base - 6);
+      p.offset = offsets_[p.count_class].offset(features_) << kVectorShift<kTangent>;
     }
     codeResiduals<kTangent, kCandidates>(coder, state, stencils.valence, time, p, target);
   }
@@ -179,7 +179,7 @@ class PositionCoder {
     std::array<std::int32_t, 3> residual{};
     if constexpr (Direction::kWrites) residual = wantedResidual(p, target);
     mixed_->code(mixedVertexOf(p, arc.count, stencils.valence, local), residual);
-    remember(states_[time], stencils.valence, p, residual, Lanes{});
+    remember<0>(states_[time], stencils.valence, p, residual, Lanes{});
   }
 
   MixedVertex mixedVertexOf(const Prediction& p, int count, std::int32_t valence, const ToLocal& local) const {
@@ -236,9 +236,14 @@ class PositionCoder {
                               expectedAngles({order_, states_}, time, face, valence, use_known_angles))));
   }
 
+  /// Vectors of the adaptive offset are in eighths of a step in tangent mode, so that few edges exceed 16 bits.
+  template <bool kTangent>
+  static constexpr int kVectorShift = kTangent ? kFineBits - 3 : 0;
+
+  template <bool kTangent>
   TSC_ALWAYS_INLINE Surrounding surroundingOf(const Prediction& p) const {
     const Integers left = p.left()->point, right = p.right()->point, base = p.base()->point;
-    const int shift = parameters_.vector_shift;
+    constexpr int shift = kVectorShift<kTangent>;
     const auto surprises = [](const VertexState* a, Lanes b) {
       return (Lanes)__builtin_shufflevector((Halves)loadLanes(a->memory.data()), (Halves)b, 0, 2);
     };
@@ -314,18 +319,19 @@ class PositionCoder {
       residual[2] = residuals_.template code<2>(coder, contexts.table(2), contexts.shift(2), wanted[2]);
     }
     codeLowBits(coder, contexts, whole, wanted, residual);
-    remember(state, valence, p, residual, candidates);
+    remember<kVectorShift<kTangent>>(state, valence, p, residual, candidates);
     if (adaptive_ && (time < kEagerUntil || time % 2 == 1)) {
       offsets_[p.count_class].learn(features_, Integers{residual[0], residual[1], residual[2], 0});
     }
   }
 
   /// `candidates` as candidatesOf gives them.
+  template <int kSurpriseBits>
   TSC_ALWAYS_INLINE void remember(VertexState& state, std::int32_t valence, const Prediction& p,
                                   const std::array<std::int32_t, 3>& residual, Lanes candidates) const {
     const Integers steps = {residual[0], residual[1], residual[2], 0};
     const Integers point = reconstruct(p, steps);
-    const Integers surprise = (point - p.mean) >> parameters_.vector_shift;
+    const Integers surprise = (point - p.mean) >> kSurpriseBits;
     constexpr Lanes kMost = {32767, 32767, 32767, 0, kMaxMagnitude, kMaxMagnitude, kMaxMagnitude, 0};
     Lanes memory = atMost(packed(surprise, magnitudes(steps)), kMost);
     if (parameters_.candidates) memory[7] = static_cast<std::int16_t>(pairsOfEqual(packed(steps, steps), candidates));

@@ -23,7 +23,6 @@ struct PositionParameters {
   Effort effort = Effort::kDefault;
   int fine_bits = 0;               ///< k: the fine lattice has 2^k points to a tangential step; 0 in lattice mode
   std::uint32_t normal_scale = 1;  ///< in tangent mode
-  int vector_shift = 0;            ///< vectors of the adaptive offset are in units of 2^vector_shift on the fine lattice
   bool candidates = false;         ///< single parallelograms have a part in the probabilities of residuals
   bool exact_hits = false;         ///< then residuals may also be signalled as exactly theirs
 };

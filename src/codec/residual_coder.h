@@ -28,9 +28,14 @@ struct CandidateContext {
 template <class Direction>
 class ResidualCoder {
  public:
-  /// `exact_hits` as in PositionParameters. `step_bits`: floor(log2(step)) of each axis.
-  ResidualCoder(Direction direction, bool exact_hits, const std::array<int, 3>& step_bits)
-      : direction_(direction), exact_hits_(exact_hits), step_bits_(step_bits), models_(std::make_unique<Models>()) {}
+  /// `exact_hits` as in PositionParameters. `second_tells`: the first candidate is the prediction, so that only the place
+  /// of the second tells anything. `step_bits`: floor(log2(step)) of each axis.
+  ResidualCoder(Direction direction, bool exact_hits, bool second_tells, const std::array<int, 3>& step_bits)
+      : direction_(direction),
+        exact_hits_(exact_hits),
+        second_tells_(second_tells),
+        step_bits_(step_bits),
+        models_(std::make_unique<Models>()) {}
 
   /// What the components of one vertex have told so far.
   struct Progress {
@@ -63,8 +68,9 @@ class ResidualCoder {
     const std::int32_t half = (1 << shift) >> 1;
     const std::int32_t first = (candidates.residual[0] + half) >> shift;
     const std::int32_t second = (candidates.residual[1] + half) >> shift;
+    const std::int32_t telling = second_tells_ ? second : first;
     const int place = candidates.count_class == 0 ? 2 * kPlaceLimit + 1
-                                                  : std::clamp(first, -kPlaceLimit, kPlaceLimit) + kPlaceLimit;
+                                                  : std::clamp(telling, -kPlaceLimit, kPlaceLimit) + kPlaceLimit;
     CumulativeTable& centred = models_->centred[kAxis][table];
     CumulativeTable& placed =
         models_->placed[kAxis][shift > 0][progress.came_true][candidates.hits_around][static_cast<std::size_t>(place)];
@@ -147,6 +153,7 @@ class ResidualCoder {
 
   Direction direction_;
   bool exact_hits_;
+  bool second_tells_;
   std::array<int, 3> step_bits_;
   std::unique_ptr<Models> models_;
 };
