@@ -35,13 +35,13 @@ struct Features {
   // Lanes: left, right, base surprise, first, height, height, gate, height.
   Lanes component[3];
 
-  /// `tip`, `gate` and `base` say how far valences are from regular.
-  TSC_ALWAYS_INLINE Features(const Frame& frame, const Surrounding& s, int tip, int gate, int base) {
-    constexpr std::int16_t kOne = kFactorOne;
-    const Lanes irregular = packed(Integers{kOne, kOne, kOne, kOne}, Integers{kOne, tip, gate, base});
-    const Lanes factors = (atMost(atLeast(irregular, splat(-kFactorLimit)), splat(kFactorLimit)) &
-                           Lanes{0, 0, 0, 0, -1, -1, -1, -1}) |
-                          Lanes{1, 1, 1, 1, 0, 0, 0, 0};
+  /// `irregular`, in lanes 1 to 3: how far the valences of the tip, between the gate's ends, and about the base are from
+  /// regular.
+  TSC_ALWAYS_INLINE Features(const Frame& frame, const Surrounding& s, Integers irregular) {
+    constexpr std::int16_t kMost = kFactorLimit, kLeast = -kFactorLimit;
+    constexpr Lanes kUpper = {1, 1, 1, 1, kFactorOne, kMost, kMost, kMost};
+    constexpr Lanes kLower = {1, 1, 1, 1, kFactorOne, kLeast, kLeast, kLeast};
+    const Lanes factors = atMost(atLeast(packed(irregular, irregular), kLower), kUpper);
     component[0] = along(frame.normal, s) * factors;
     component[1] = along(frame.first, s) * factors;
     component[2] = along(frame.second, s) * factors;

@@ -47,6 +47,14 @@ std::uint32_t sampleSize(std::uint32_t position_count) {
   return std::max(kLeast, position_count / 6);
 }
 
+/// What bits are weighed by: where time to decode counts, a slower way must be worth it. Candidates take a tenth of the
+/// time, and another in tangent mode, where they have to be turned into the frame.
+double timeWeight(const PositionParameters& p, std::uint32_t position_count) {
+  constexpr std::uint32_t kLarge = 1 << 13;
+  if (position_count < kLarge || !p.candidates) return 1;
+  return p.mode == Mode::kTangent ? 1.06 : 1.04;
+}
+
 /// What is worth trying when the caller leaves a choice open.
 std::vector<PositionParameters> candidatesFor(const Header& header, const EncodeOptions& options, const Box& box) {
   std::vector<PositionParameters> candidates;
@@ -107,18 +115,17 @@ Trial bestPositions(const PositionInput& input, const Header& header, const Enco
   if (candidates.size() == 1) return trials.run(candidates[0], kNone, true);
 
   const std::uint32_t sample = sampleSize(input.map.position_count);
+  const auto cost = [&](const Trial& trial) { return trial.cost() * timeWeight(trial.parameters, input.map.position_count); };
   Trial best = trials.run(candidates[0], sample, false);
-  for (std::size_t i = 1; i < candidates.size(); ++i) {
-    Trial trial = trials.run(candidates[i], sample, false);
-    if (trial.cost() < best.cost()) best = std::move(trial);
-  }
-  if (options.effort == Effort::kDefault) {
-    constexpr std::uint32_t kLarge = 1 << 13;
-    // Candidates take a fifth of the time to decode, and must be worth it on meshes whose time counts.
-    const double worth = input.map.position_count < kLarge ? 1 : 1.04;
+  const auto attempt = [&](const PositionParameters& parameters) {
+    Trial trial = trials.run(parameters, sample, false);
+    if (cost(trial) < cost(best)) best = std::move(trial);
+  };
+  for (std::size_t i = 1; i < candidates.size(); ++i) attempt(candidates[i]);
+  if (best.parameters.candidates) {
     PositionParameters faster = best.parameters;
     faster.candidates = faster.exact_hits = false;
-    if (trials.run(faster, sample, false).cost() < worth * best.cost()) best.parameters = faster;
+    attempt(faster);
   }
   return trials.run(best.parameters, kNone, true);
 }

@@ -28,6 +28,11 @@ struct alignas(32) CumulativeTable {
     return symbol == 16 ? kProbabilityOne : static_cast<std::uint16_t>(lanes[symbol]);
   }
 
+  /// The same where it is known to be 1..15.
+  TSC_ALWAYS_INLINE std::uint32_t belowInner(std::uint32_t symbol) const {
+    return static_cast<std::uint16_t>(lanes[symbol]);
+  }
+
   /// The symbol that owns `slot`.
   TSC_ALWAYS_INLINE std::uint32_t find(std::uint32_t slot) const {
     return firstAbove(low(), high(), static_cast<std::int16_t>(slot)) - 1;
@@ -53,11 +58,11 @@ inline constexpr std::array<CumulativeTable, 16> kTableTargets = [] {
 /// are at distance e >= 1 end at distance >= d + floor((e - d) / 2^rate) >= 1, so no frequency reaches 0.
 inline void CumulativeTable::update(std::uint32_t symbol, const TableRates& rates) {
   const CumulativeTable& target = kTableTargets[symbol];
-  const auto rate = static_cast<std::int16_t>(rates[static_cast<std::uint16_t>(lanes[0]) >> 8]);
+  const std::int32_t rate = rates[static_cast<std::uint16_t>(lanes[0]) >> 8];
   const Lanes a = low();
   const Lanes b = high();
-  storeLanes(lanes, a + ((target.low() - a) >> rate));
-  storeLanes(lanes + 8, b + ((target.high() - b) >> rate));
+  storeLanes(lanes, a + shiftedDown(target.low() - a, rate));
+  storeLanes(lanes + 8, b + shiftedDown(target.high() - b, rate));
 }
 
 /// The average of two tables. Its frequencies stay positive: two neighbouring lanes differ by at least 1 in both tables,
@@ -73,6 +78,9 @@ class AveragedTables {
   TSC_ALWAYS_INLINE std::uint32_t below(std::uint32_t symbol) const {
     if (symbol == 0) return 0;
     return symbol == 16 ? kProbabilityOne : static_cast<std::uint16_t>(lanes_[symbol]);
+  }
+  TSC_ALWAYS_INLINE std::uint32_t belowInner(std::uint32_t symbol) const {
+    return static_cast<std::uint16_t>(lanes_[symbol]);
   }
 
   TSC_ALWAYS_INLINE std::uint32_t find(std::uint32_t slot) const {

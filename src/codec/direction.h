@@ -84,16 +84,22 @@ struct Hot<Writing> {
   void symbol(const Table& table, std::uint32_t symbol) {
     writer.putGrouped(table.below(symbol), table.below(symbol + 1) - table.below(symbol));
   }
+  template <class Table>
+  void innerSymbol(const Table& table, std::uint32_t value) {
+    symbol(table, value);
+  }
+  /// Fewer than 32 bits, whose group goes on.
   std::uint32_t raw(std::uint32_t value, int count) {
     writer.putRawGrouped(value, count);
     return value;
   }
   void endGroup() { writer.endGroup(); }
   /// A bit that is 1 only where that is possible; its group goes on.
-  bool chance(HitModel& model, bool possible, bool value) {
+  bool hit(HitModel& model, bool possible, bool value) {
     if (!possible) return false;
-    writer.putGrouped(value ? 0 : model.one(), value ? model.one() : kProbabilityOne - model.one());
-    model.update(value);
+    const std::uint32_t one = model.one(true);
+    writer.putGrouped(value ? 0 : one, value ? one : kProbabilityOne - one);
+    model.update(value, true);
     return value;
   }
 };
@@ -111,16 +117,19 @@ struct Hot<Reading> {
   TSC_ALWAYS_INLINE void symbol(const Table& table, std::uint32_t symbol) {
     reader.advanceGrouped(table.below(symbol), table.below(symbol + 1) - table.below(symbol));
   }
-  std::uint32_t raw(std::uint32_t, int count) { return static_cast<std::uint32_t>(reader.getRawGrouped(count)); }
+  /// Neither the first nor the last.
+  template <class Table>
+  TSC_ALWAYS_INLINE void innerSymbol(const Table& table, std::uint32_t symbol) {
+    const std::uint32_t start = table.belowInner(symbol);
+    reader.advanceGrouped(start, table.belowInner(symbol + 1) - start);
+  }
+  TSC_ALWAYS_INLINE std::uint32_t raw(std::uint32_t, int count) { return reader.getFewRawGrouped(count); }
   void endGroup() { reader.endGroup(); }
-  TSC_ALWAYS_INLINE bool chance(HitModel& model, bool possible, bool) {
-    const std::uint32_t one = possible ? model.one() : 0;
+  TSC_ALWAYS_INLINE bool hit(HitModel& model, bool possible, bool) {
+    const std::uint32_t one = model.one(possible);
     const bool value = reader.peek() < one;
-    // With nothing possible this is all of the range, and advancing changes nothing.
     reader.advanceGrouped(value ? 0 : one, value ? one : kProbabilityOne - one);
-    HitModel unchanged = model;
-    model.update(value);
-    model = possible ? model : unchanged;
+    model.update(value, possible);
     return value;
   }
 };

@@ -112,6 +112,13 @@ class EntropyReader {
     return value;
   }
 
+  /// Fewer than 32.
+  std::uint32_t getFewRawGrouped(int count) {
+    const std::uint32_t value = static_cast<std::uint32_t>(state_) & ((1u << count) - 1);
+    state_ >>= count;
+    return value;
+  }
+
   std::uint32_t getRaw(int count) {
     const std::uint64_t value = getRawGrouped(count);
     endGroup();

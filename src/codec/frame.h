@@ -91,7 +91,7 @@ inline constexpr std::array<float, 4 << kRootBits> kReciprocalRoots = [] {
 }();
 
 /// `v`, as `scaledForUnit` gives it, at a length of 2^kFrameBits, less by at most 2^-7 of it; false if it is zero.
-TSC_ALWAYS_INLINE bool unitVector(Floats v, Floats& unit) {
+TSC_ALWAYS_INLINE bool unitVector(Floats v, Integers& unit) {
   const Floats squares = v * v;
   const Floats square = squares + __builtin_shufflevector(squares, squares, 1, 2, 0, 3) +
                         __builtin_shufflevector(squares, squares, 2, 0, 1, 3);
@@ -99,7 +99,7 @@ TSC_ALWAYS_INLINE bool unitVector(Floats v, Floats& unit) {
   constexpr std::int32_t kFirst = (127 + kLeastSquareBits) << kRootBits;
   if (root < kFirst) [[unlikely]]
     return false;
-  unit = floatsOf(truncated(v * (Floats{} + kReciprocalRoots[static_cast<std::size_t>(root - kFirst)])));
+  unit = truncated(v * (Floats{} + kReciprocalRoots[static_cast<std::size_t>(root - kFirst)]));
   return true;
 }
 
@@ -109,19 +109,19 @@ TSC_ALWAYS_INLINE Frame frameAt(Basis basis, Integers left, Integers right, Inte
   constexpr float kUnit = 1.0f / (1 << kFrameBits);
   const Floats gate = scaledForUnit(left - right);
   const Floats across = crossProduct(gate, scaledForUnit(base - right));
-  Floats normal, first, second;
+  Integers normal, first, second;
   if (!unitVector(scaledForUnit(across), normal)) return {};
   if (basis == Basis::kGate) {
     if (!unitVector(gate, first)) return {};
-    second = crossProduct(normal, first) * kUnit;
+    second = truncated(crossProduct(floatsOf(normal), floatsOf(first)) * kUnit);
   } else {
     // The prediction may lie outside the plane of the base triangle, even above the base vertex: by way of x3, the axes
     // are orthogonal however small its part within the plane.
-    const Floats upright = crossProduct(normal, scaledForUnit(prediction - base));
+    const Floats upright = crossProduct(floatsOf(normal), scaledForUnit(prediction - base));
     if (!unitVector(scaledForUnit(upright), second)) return {};
-    first = crossProduct(second, normal) * kUnit;
+    first = truncated(crossProduct(floatsOf(second), floatsOf(normal)) * kUnit);
   }
-  return {twice(truncated(normal)), twice(truncated(first)), twice(truncated(second))};
+  return {twice(normal), twice(first), twice(second)};
 }
 
 /// Local coordinates of two lattice displacements in 16-bit lanes x y z, anything; rounded down.

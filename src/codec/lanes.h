@@ -141,6 +141,15 @@ inline Lanes atLeast(Lanes a, Lanes b) {
 #endif
 }
 
+/// Each lane times 2^-count, rounded down; 0 <= count < 16.
+inline Lanes shiftedDown(Lanes v, std::int32_t count) {
+#if defined(__SSE2__)
+  return (Lanes)_mm_sra_epi16((__m128i)v, _mm_cvtsi32_si128(count));
+#else
+  return v >> static_cast<std::int16_t>(count);
+#endif
+}
+
 /// a + b, saturated.
 inline Lanes saturatedSum(Lanes a, Lanes b) {
 #if defined(__SSE2__)

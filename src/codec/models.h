@@ -100,18 +100,24 @@ class BitModel {
   std::uint8_t count_ = 0;
 };
 
-/// Adaptive probability of a bit that is cheap to learn.
+/// Adaptive probability of a bit that may be impossible, coded without a branch on what cannot be foreseen.
 class HitModel {
  public:
-  std::uint32_t one() const { return probability_; }
-  /// The probability stays within [31, 2^15 - 31]: a step of 2^-5 vanishes below a distance of 32 from either end.
-  void update(bool bit) {
-    const int target = bit ? static_cast<int>(kProbabilityOne) - 31 : 31;
-    probability_ = static_cast<std::uint16_t>(probability_ + ((target - probability_) >> 5));
+  /// Times 2^-15; 0 where a 1 is not possible. A 0 then owns all of the range, and coding it changes no state.
+  std::uint32_t one(bool possible) const { return probability_ & mask(possible); }
+
+  /// Learns only where a 1 was possible. The probability stays within [31, 2^15 - 31]: a step of 2^-5 vanishes below a
+  /// distance of 32 from either end.
+  void update(bool bit, bool possible) {
+    const std::int32_t target = 31 + (static_cast<std::int32_t>(kProbabilityOne - 62) & -static_cast<std::int32_t>(bit));
+    const std::int32_t step = (target - probability_) >> 5;
+    probability_ = static_cast<std::uint16_t>(probability_ + (step & static_cast<std::int32_t>(mask(possible))));
   }
 
  private:
-  std::uint16_t probability_ = kProbabilityOne / 2;  ///< of bit 1
+  static std::uint32_t mask(bool possible) { return 0 - static_cast<std::uint32_t>(possible); }
+
+  std::uint16_t probability_ = kProbabilityOne / 2;
 };
 
 /// Adaptive unsigned integer below 2^30: its bit length by model, its bits below the leading one raw but for the first.

@@ -68,9 +68,8 @@ class PositionCoder {
         order_(order),
         states_(states),
         step_(stepsOf(parameters)),
+        normal_bits_(bitsOf(step_)[0]),
         residuals_(direction, parameters.exact_hits, parameters.predictor == Predictor::kParallelogram, bitsOf(step_)) {
-    const std::array<int, 3> bits = bitsOf(step_);
-    step_bits_ = Integers{bits[0], bits[1], bits[2], 0};
     if (parameters.effort == Effort::kMax) {
       mixed_ = std::make_unique<MixedResiduals<Direction>>(
           direction, ResidualSteps({step_[0], step_[1], step_[2]}, parameters.fine_bits, !tangent_), adaptive_);
@@ -134,8 +133,7 @@ class PositionCoder {
     place<kTangent>(time, stencils.face(0), stencils.valence, p);
     p.offset = Integers{};
     if (adaptive_) {
-      const int left = p.left()->valence(), right = p.right()->valence(), base = p.base()->valence();
-      features_ = Features(p.frame, surroundingOf<kTangent>(p), stencils.valence - 6, left - right, left + right - base - 6);
+      features_ = Features(p.frame, surroundingOf<kTangent>(p), irregularityOf(p, stencils.valence));
       p.offset = offsets_[p.count_class].offset(features_) << kVectorShift<kTangent>;
     }
     codeResiduals<kTangent, kCandidates>(coder, state, stencils.valence, time, p, target);
@@ -236,6 +234,14 @@ class PositionCoder {
                               expectedAngles({order_, states_}, time, face, valence, use_known_angles))));
   }
 
+  /// The valence less 6, the difference of the gate's ends', and what the base's leaves of these less 6, in lanes 1 to 3.
+  TSC_ALWAYS_INLINE static Integers irregularityOf(const Prediction& p, std::int32_t valence) {
+    // Lanes 3 of points are valences, and so are those of their sums.
+    const Integers gate = p.left()->point - p.right()->point;
+    const Integers last = __builtin_shufflevector(gate, p.candidates[0], 2, 6, 3, 7);
+    return __builtin_shufflevector(Integers{0, valence, 0, 0}, last, 0, 1, 6, 7) - Integers{0, 6, 0, 6};
+  }
+
   /// Vectors of the adaptive offset are in eighths of a step in tangent mode, so that few edges exceed 16 bits.
   template <bool kTangent>
   static constexpr int kVectorShift = kTangent ? kFineBits - 3 : 0;
@@ -266,9 +272,15 @@ class PositionCoder {
   TSC_ALWAYS_INLINE Lanes candidatesOf(const Prediction& p) const {
     const Integers first = p.candidates[0] - p.point, second = p.candidates[1] - p.point;
     if (!kTangent) return packed(first - p.offset, second - p.offset);
-    const auto [local_first, local_second] = toLocal(p.frame, packed(first, second));
-    const Integers half = step_ >> 1;
-    return packed((local_first - p.offset + half) >> step_bits_, (local_second - p.offset + half) >> step_bits_);
+    auto [local_first, local_second] = toLocal(p.frame, packed(first, second));
+    local_first = local_first - p.offset + (step_ >> 1);
+    local_second = local_second - p.offset + (step_ >> 1);
+    Integers steps_first = local_first >> kFineBits, steps_second = local_second >> kFineBits;
+    if (parameters_.normal_scale > 1) {
+      steps_first[0] = local_first[0] >> normal_bits_;
+      steps_second[0] = local_second[0] >> normal_bits_;
+    }
+    return packed(steps_first, steps_second);
   }
 
   template <bool kTangent>
@@ -280,7 +292,7 @@ class PositionCoder {
     constexpr std::array<Integers, kCountClasses> kAlone = {Integers{-1, -1, -1, 0}};
     const Integers alone = kAlone[static_cast<std::size_t>(p.count_class)];
     const Integers apart = (p.candidates[0] - p.candidates[1]) + (((p.left()->point - p.right()->point) >> 1) & alone);
-    const float bound = kMaxSpread >> (kFineBits + 1), scale = 1 << (kFineBits - parameters_.fine_bits);
+    constexpr float bound = kMaxSpread >> (kFineBits + 1), scale = kTangent ? 1 : 1 << kFineBits;
     const Integers spread = truncated(smaller(magnitudes(floatsOf(apart)), Floats{} + bound) * scale);
     around.spread = spread;
     if (kTangent) {
@@ -357,7 +369,7 @@ class PositionCoder {
 
   TSC_ALWAYS_INLINE Integers reconstruct(const Prediction& p, Integers residual) const {
     if (!tangent_) return wrapped(p.point + p.offset + residual);
-    Integers displacement = residual << parameters_.fine_bits;
+    Integers displacement = residual << kFineBits;
     if (parameters_.normal_scale > 1) displacement[0] = residual[0] * step_[0];
     return wrapped(p.point + toLattice(p.frame, p.offset + displacement));
   }
@@ -423,12 +435,12 @@ class PositionCoder {
   const CodingOrder& order_;
   const std::span<VertexState> states_;  ///< by time
   const Integers step_;                  ///< of each component on the fine lattice
-  Integers step_bits_;                      ///< floor(log2(step))
+  const int normal_bits_;                ///< floor(log2(step)) of the normal
   ResidualCoder<Direction> residuals_;
   std::unique_ptr<MixedResiduals<Direction>> mixed_;  ///< at effort max
   IntegerModel free_[3];                              ///< components of vertices without a stencil
   AdaptiveOffset offsets_[kCountClasses];
-  Features features_{Frame{}, Surrounding{}, 0, 0, 0};
+  Features features_{Frame{}, Surrounding{}, Integers{}};
 };
 
 }  // namespace

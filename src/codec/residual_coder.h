@@ -55,10 +55,10 @@ class ResidualCoder {
       coder.symbol(centred, bin);
       value = codeBeyond(coder, kAxis, shift, value, residual);
     } else {
-      coder.symbol(centred, bin);
+      coder.innerSymbol(centred, bin);
     }
     centred.update(bin, kResidualRates);
-    return (value << shift) - half;
+    return value * (1 << shift) - half;
   }
 
   /// The same by the candidates as well. Where the residual is a hit, returns it whole.
@@ -81,20 +81,19 @@ class ResidualCoder {
       coder.symbol(average, bin);
       value = codeBeyond(coder, kAxis, shift, value, residual);
     } else {
-      coder.symbol(average, bin);
+      coder.innerSymbol(average, bin);
     }
+    if (kAxis == 1 && exact_hits_) coder.endGroup();  // three bins and three flags do not fit one group
     centred.update(bin, kResidualRates);
     placed.update(bin, kResidualRates);
     progress.came_true = value == first ? 1 : value == second ? 2 : 3;
-    const std::int32_t residual_of_bin = (value << shift) - half;
+    const std::int32_t residual_of_bin = value * (1 << shift) - half;
     if (!exact_hits_) return residual_of_bin;
-    // A bit whose probability is 0 takes no room and needs no branch, which could not be foreseen.
     HitModel& model = models_->hit[kAxis][std::min(shift, kHitShifts - 1)][progress.came_true][candidates.hits_around]
                                   [progress.hits << 1 >> kAxis & 1];
     const bool possible = shift > 0 && progress.came_true < 3;
     const std::int32_t candidate = candidates.residual[progress.came_true == 2];
-    const bool hit = coder.chance(model, possible, residual == candidate);
-    coder.endGroup();
+    const bool hit = coder.hit(model, possible, residual == candidate);
     progress.hits |= std::uint32_t{hit} << kAxis;
     return hit ? candidate : residual_of_bin;
   }
@@ -102,8 +101,8 @@ class ResidualCoder {
  private:
   struct Models {
     CumulativeTable centred[3][kScaleClasses * kRatioClasses];
-    CumulativeTable placed[3][2][4][3][2 * kPlaceLimit + 2];  ///< by where the first candidate lies
-    HitModel hit[3][kHitShifts][4][3][2];
+    CumulativeTable placed[3][2][4][4][2 * kPlaceLimit + 2];  ///< by where the first candidate lies
+    HitModel hit[3][kHitShifts][4][4][2];
     IntegerModel beyond[kShiftClasses];  ///< how far outside the window a bin lies
 
     Models() {
