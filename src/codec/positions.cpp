@@ -84,7 +84,7 @@ class PositionCoder {
 
  private:
   static constexpr std::uint32_t kOverrunInterval = 1024;
-  /// Until then all components learn all they can from each vertex; then in turns, which is as good and faster.
+  /// Until then the adaptive offset learns from each vertex; then from every other one, which is as good and faster.
   static constexpr std::uint32_t kEagerUntil = 2048;
 
   /// One loop for each of the choices that decide what a vertex takes.
