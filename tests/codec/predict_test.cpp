@@ -17,10 +17,9 @@ TEST(Predict, Parallelogram) {
 }
 
 /// As the position coder calls it: beyond their count, candidates repeat the first.
-Vec3 averageOf(const std::array<Integers, 3>& candidates, int count) {
-  const Integers first = candidates[0];
-  const Integers second = count > 1 ? candidates[1] : first, third = count > 2 ? candidates[2] : first;
-  return vectorOf(average(first, second + third - first - first, count));
+Vec3 averageOf(std::array<Integers, 3> candidates, int count) {
+  for (std::size_t j = static_cast<std::size_t>(count); j < 3; ++j) candidates[j] = candidates[0];
+  return vectorOf(average(candidates, count));
 }
 
 TEST(Predict, AverageIsExactWhereAllAgreeAndRoundedElsewhere) {
@@ -32,7 +31,8 @@ TEST(Predict, AverageIsExactWhereAllAgreeAndRoundedElsewhere) {
   for (int i = 0; i < 10000; ++i) {
     std::array<Integers, 3> candidates;
     for (Integers& c : candidates) {
-      const auto coordinate = [&] { return static_cast<int>(random() % (6u << 26)) - (3 << 26); };
+      // Positions are within +-2^27.
+      const auto coordinate = [&] { return static_cast<int>(random() % (6u << 27)) - (3 << 27); };
       const int x = coordinate(), y = coordinate();
       c = lanes(x, y, coordinate());
     }
