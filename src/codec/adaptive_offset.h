@@ -62,12 +62,12 @@ class AdaptiveOffset {
  public:
   /// Correction of each component, in the unit of the vectors.
   TSC_ALWAYS_INLINE Integers offset(const Features& features) const {
-    // Sums of 8 products, within 2^31 even if all are at their limits.
+    // Sums of 8 products. Where surprises and weights are near their limits, they wrap.
     const Integers sums =
         laneSums(pairProducts(weights_[0], features.component[0]), pairProducts(weights_[1], features.component[1]),
                  pairProducts(weights_[2], features.component[2]));
     constexpr int kShift = kWeightBits - kSurpriseShift;
-    return (sums + (1 << (kShift - 1))) >> kShift;
+    return (Integers)((Words)sums + (1u << (kShift - 1))) >> kShift;
   }
 
   /// Learns from the signs of what the correction left over in each component.

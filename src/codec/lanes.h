@@ -79,12 +79,12 @@ inline Floats larger(Floats a, Floats b) {
 #endif
 }
 
-/// The sums of the lanes of each.
+/// The sums of the lanes of each, modulo 2^32.
 inline Integers laneSums(Integers a, Integers b, Integers c) {
-  const Integers ab = __builtin_shufflevector(a, b, 0, 4, 1, 5) + __builtin_shufflevector(a, b, 2, 6, 3, 7);
-  const Integers c0 =
-      __builtin_shufflevector(c, Integers{}, 0, 4, 1, 5) + __builtin_shufflevector(c, Integers{}, 2, 6, 3, 7);
-  return __builtin_shufflevector(ab, c0, 0, 1, 4, 5) + __builtin_shufflevector(ab, c0, 2, 3, 6, 7);
+  const Words wa = (Words)a, wb = (Words)b, wc = (Words)c;
+  const Words ab = __builtin_shufflevector(wa, wb, 0, 4, 1, 5) + __builtin_shufflevector(wa, wb, 2, 6, 3, 7);
+  const Words c0 = __builtin_shufflevector(wc, Words{}, 0, 4, 1, 5) + __builtin_shufflevector(wc, Words{}, 2, 6, 3, 7);
+  return (Integers)(__builtin_shufflevector(ab, c0, 0, 1, 4, 5) + __builtin_shufflevector(ab, c0, 2, 3, 6, 7));
 }
 
 /// Four 16-bit integers, widened.

@@ -38,7 +38,9 @@ Integers wrapped(Integers v) {
   constexpr int kRest = 32 - kCoordinateBits;
   return v << kRest >> kRest;
 }
-Vec3 clampedToLattice(const Vec3& v) { return glm::clamp(v, Vec3(-kCoordinateLimit), Vec3(kCoordinateLimit)); }
+Vec3 clampedToLattice(const WideVec3& v) {
+  return Vec3(glm::clamp(v, WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit)));
+}
 
 /// Of each component, on the fine lattice.
 Integers stepsOf(const PositionParameters& p) {
@@ -149,8 +151,7 @@ class PositionCoder {
     for (int a = 0; a < 3; ++a) {
       difference[a] = unzigzag(direction_.integer(free_[a], zigzag(difference[a])));
     }
-    const Vec3 position(
-        glm::clamp(WideVec3(origin) + WideVec3(difference), WideVec3(-kCoordinateLimit), WideVec3(kCoordinateLimit)));
+    const Vec3 position = clampedToLattice(WideVec3(origin) + WideVec3(difference));
     states_[time].point = Integers{position.x, position.y, position.z, stencils.valence};
     states_[time].memory = {};
   }

@@ -103,13 +103,13 @@ ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, s
   return expected;
 }
 
-Vec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base, ExpectedAngles expected) {
+WideVec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base, ExpectedAngles expected) {
   const std::int64_t alpha = innerAngle(left, right, base).cotangent;
   const std::int64_t beta = innerAngle(right, base, left).cotangent;
   const std::int64_t gamma = cotangentOf(expected.left);
   const std::int64_t delta = cotangentOf(expected.right);
   const std::int64_t sum = gamma + delta;
-  if (sum < kCotangentOne / 16) return left + right - base;
+  if (sum < kCotangentOne / 16) return WideVec3(left + right - base);
   const auto ratio = [&](std::int64_t numerator) {
     const std::int64_t magnitude = floorDivide(std::abs(numerator) << 12, sum);
     return numerator < 0 ? -magnitude : magnitude;
@@ -117,9 +117,9 @@ Vec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base
   const std::int64_t w1 = ratio(beta + delta);
   const std::int64_t w2 = ratio(alpha + gamma);
   constexpr std::int64_t kLimit = 8 << 12;
-  if (std::abs(w1) > kLimit || std::abs(w2) > kLimit) return left + right - base;
+  if (std::abs(w1) > kLimit || std::abs(w2) > kLimit) return WideVec3(left + right - base);
   const WideVec3 offset = WideVec3(left - base) * w1 + WideVec3(right - base) * w2 + (std::int64_t{1} << 11);
-  return base + Vec3(offset.x >> 12, offset.y >> 12, offset.z >> 12);
+  return WideVec3(base) + WideVec3(offset.x >> 12, offset.y >> 12, offset.z >> 12);
 }
 
 }  // namespace tsc

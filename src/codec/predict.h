@@ -57,7 +57,8 @@ struct AngleContext {
 ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face, std::int32_t valence,
                               bool use_known_angles);
 
-/// Eq. 2 with the weights of eq. 3 and 4. The parallelogram where the angles give no usable triangle.
-Vec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base, ExpectedAngles expected);
+/// Eq. 2 with the weights of eq. 3 and 4. The parallelogram where the angles give no usable triangle. Of vertices that a
+/// hostile stream has put far apart it can be beyond 32 bits.
+WideVec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base, ExpectedAngles expected);
 
 }  // namespace tsc

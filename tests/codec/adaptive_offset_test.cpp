@@ -39,97 +39,83 @@ TEST(AdaptiveOffset, NoiseDoesNotLeadItAstray) {
   EXPECT_LT(bitsFor(mesh, Mode::kTangent, Predictor::kAdaptive), 1.05 * average);
 }
 
-/// Vectors of all sizes that positions, candidates and surprises can have.
-Surrounding randomSurrounding(std::mt19937& random) {
-  Surrounding s;
-  const auto vector = [&](int bits) {
+/// Vectors of all sizes that positions, candidates and surprises can have, in 16 bits.
+Lanes randomPair(std::mt19937& random) {
+  Lanes v{};
+  const int bits = static_cast<int>(random() % 16);
+  for (int i = 0; i < 8; ++i) {
+    v[i] = static_cast<std::int16_t>(static_cast<int>(random() % (2u << bits)) - (1 << bits));
+  }
+  if (random() % 8 == 0) v[static_cast<int>(random() % 8)] = random() % 2 == 0 ? 32767 : -32768;
+  return v;
+}
+
+Frame randomFrame(std::mt19937& random) {
+  const auto point = [&] {
     Integers v{};
-    for (int i = 0; i < 4; ++i) v[i] = static_cast<int>(random() % (2u << bits)) - (1 << bits);
+    for (int i = 0; i < 3; ++i) v[i] = static_cast<int>(random() % 2001) - 1000;
     return v;
   };
-  const int bits = static_cast<int>(random() % 30);
-  s.left_surprise = vector(std::min(bits, 15));
-  s.right_surprise = vector(std::min(bits, 15));
-  s.base_surprise = vector(std::min(bits, 15));
-  s.first = vector(std::min(bits, 28));
-  s.second = vector(std::min(bits, 28));
-  s.height = vector(std::min(bits, 27));
-  s.gate = vector(std::min(bits, 27));
-  return s;
+  const Integers left = point(), right = point(), base = point();
+  return random() % 4 == 0 ? Frame{} : frameAt(Basis::kGate, left, right, base, left + right - base);
 }
 
-int widthOf(Integers v) {
-  int width = 0;
-  for (int i = 0; i < 3; ++i) width = std::max(width, static_cast<int>(std::bit_width(static_cast<unsigned>(v[i] < 0 ? ~v[i] : v[i]))));
-  return width;
-}
-std::int32_t shiftedBy(std::int32_t x, int n) { return n >= 0 ? x * (1 << n) : x >> -n; }
-
-TEST(LocalSurrounding, IsEachVectorScaledAndProjected) {
-  std::mt19937 random(2);
-  for (int run = 0; run < 50000; ++run) {
-    const Surrounding s = randomSurrounding(random);
-    const Integers vectors[8] = {s.left_surprise, s.right_surprise, s.base_surprise, s.first,
-                                 s.height, s.gate, Integers{}, s.second};
-    int width = 0;
-    for (const Integers v : vectors) width = std::max(width, widthOf(v));
-    const Frame frame = frameAt(Basis::kGate, s.gate, Integers{}, s.height, Integers{});
-    const Integers axes[3] = {frame.normal, frame.first, frame.second};
-    for (const bool local : {false, true}) {
-      const LocalSurrounding found = toLocal(frame, local, s);
-      ASSERT_EQ(found.scale, kFeatureBits - width);
-      const auto candidates = found.candidates();
-      for (int a = 0; a < 3; ++a) {
-        for (int i = 0; i < 8; ++i) {
-          std::int32_t expected = shiftedBy(vectors[i][a], found.scale) >> 3;
-          if (local) {
-            expected = 0;
-            for (int k = 0; k < 3; ++k) expected += (shiftedBy(vectors[i][k], found.scale) * axes[a][k]) >> 16;
-          }
-          ASSERT_EQ(found.component[a][i], expected) << i;
-        }
-        ASSERT_EQ(candidates[0][a], shiftedBy(found.component[a][3], 3 - found.scale));
-        ASSERT_EQ(candidates[1][a], shiftedBy(found.component[a][7], 3 - found.scale));
-      }
-    }
-  }
-}
+/// Signs of a run push weights to their ends, at which sums exceed 32 bits, and wrap.
+std::int32_t wrapped(std::int64_t x) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(x)); }
 
 /// BITSTREAM.md, section 6.5, one weight at a time.
 TEST(AdaptiveOffset, IsTheWeightedSumOfFeatures) {
   std::mt19937 random(3);
   AdaptiveOffset adaptive;
   std::int64_t weights[3][8] = {};
-  for (int run = 0; run < 20000; ++run) {
-    const Surrounding s = randomSurrounding(random);
-    const Frame frame = frameAt(Basis::kGate, s.gate, Integers{}, s.height, Integers{});
-    const LocalSurrounding local = toLocal(frame, true, s);
+  bool has_wrapped = false;
+  for (int run = 0; run < 40000; ++run) {
+    Surrounding s{randomPair(random), randomPair(random), randomPair(random)};
+    const Frame frame = randomFrame(random);
+    const Lanes axes[3] = {frame.normal, frame.first, frame.second};
+    if (run % 8000 > 4000 && run % 3 == 0) {
+      for (Lanes* pair : {&s.gate_surprises, &s.base_and_first}) *pair = splat(32767);
+    }
     int factors[3];
-    for (int& factor : factors) factor = static_cast<int>(random() % 41) - 20;
-    if (run % 100 == 0) factors[run % 3] = 1 << 28;
-    const Features features(local, factors[0], factors[1], factors[2]);
-    const int sources[8] = {0, 1, 2, 3, 4, 4, 5, 4};
+    for (int& factor : factors) factor = static_cast<int>(random() % 21) - 10;
+    if (run % 100 == 0) factors[run % 3] = run % 200 == 0 ? 1 << 28 : -(1 << 28);
+    const Features features(frame, s, factors[0], factors[1], factors[2]);
     const Integers found = adaptive.offset(features);
+    // The vectors left, right, base, first, height, gate: two in each register.
+    const Lanes registers[3] = {s.gate_surprises, s.base_and_first, s.shape};
     Integers residual{};
     // Long runs of one sign drive weights to their ends.
-    for (int a = 0; a < 3; ++a) residual[a] = run % 8000 < 4000 ? 5 - 5 * static_cast<int>(random() % 3) : 1 - run % 3;
+    for (int a = 0; a < 3; ++a) residual[a] = run % 8000 < 4000 ? 1 - run % 3 : 5 - 2 * static_cast<int>(random() % 3);
     for (int a = 0; a < 3; ++a) {
+      std::int64_t local[6];
+      for (int i = 0; i < 6; ++i) {
+        std::int64_t sum = 0;
+        for (int k = 0; k < 3; ++k) sum += std::int64_t{registers[i / 2][4 * (i % 2) + k]} * axes[a][k];
+        local[i] = sum >> (i < 4 ? 13 : 16);
+      }
+      const auto bounded = [](int factor) { return std::clamp(factor, -7, 7); };
+      const std::int64_t expected[8] = {local[0],
+                                        local[1],
+                                        local[2],
+                                        local[3],
+                                        local[4] * 4,
+                                        local[4] * bounded(factors[0]),
+                                        local[5] * bounded(factors[1]),
+                                        local[4] * bounded(factors[2])};
       std::int64_t sum = 0;
       for (int i = 0; i < 8; ++i) {
-        const int factor = i < 5 ? 4 : std::clamp(factors[i - 5], -12, 12);
-        const std::int64_t feature = std::int64_t{local.component[a][sources[i]]} * factor;
-        ASSERT_EQ(features.component[a][i], feature);
-        sum += weights[a][i] * feature;
+        ASSERT_EQ(features.component[a][i], expected[i]) << i;
+        sum += weights[a][i] * expected[i];
         const auto sign = [](std::int64_t x) { return (x > 0) - (x < 0); };
-        weights[a][i] = std::clamp<std::int64_t>(weights[a][i] + 64 * sign(residual[a]) * sign(feature), -32768, 32767);
+        weights[a][i] =
+            std::clamp<std::int64_t>(weights[a][i] + 64 * sign(residual[a]) * sign(expected[i]), -32768, 32767);
       }
-      ASSERT_LT(std::abs(sum), std::int64_t{1} << 31);
-      const int shift = std::max(14 + local.scale, 0);
-      const std::int64_t value = shift > 0 ? (sum + (std::int64_t{1} << (shift - 1))) >> shift : sum;
-      ASSERT_EQ(found[a], std::clamp<std::int64_t>(value, -(1 << 26), 1 << 26));
+      ASSERT_EQ(found[a], wrapped(sum + (1 << 13)) >> 14);
+      has_wrapped |= wrapped(sum + (1 << 13)) != sum + (1 << 13);
     }
     adaptive.learn(features, residual);
   }
+  EXPECT_TRUE(has_wrapped) << "what is tested here must come up";
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ Coded roundTrip(Fixture fixture, const std::vector<glm::ivec3>& positions = {}) 
   EXPECT_EQ(decoded.primitive_indices, coded.assignment.primitive_indices);
   EXPECT_EQ(decoded.position_count, coded.assignment.position_count);
   EXPECT_TRUE(reader.atEnd());
-  EXPECT_EQ(reader.states(), finalStates(5));
+  EXPECT_EQ(reader.state(), finalState(5));
   return coded;
 }
 

@@ -64,7 +64,7 @@ Coded roundTrip(const Surface& input, Effort effort) {
   const Status status = decodeConnectivity(reader, effort, input.counts(), decoded);
   EXPECT_FALSE(status);
   EXPECT_TRUE(reader.atEnd());
-  EXPECT_EQ(reader.states(), finalStates(kChecksum));
+  EXPECT_EQ(reader.state(), finalState(kChecksum));
   EXPECT_TRUE(equal(decoded, coded.surface));
   expectClosedManifold(decoded);
   if (effort == Effort::kDefault) expectStencilsOf(decoded, coded.bytes);
@@ -185,7 +185,7 @@ TEST_P(Connectivity, DamagedStreamsNeverCrash) {
     Surface surface;
     EntropyReader reader(std::span(coded.bytes).first(length));
     const Status status = decodeConnectivity(reader, GetParam(), coded.surface.counts(), surface);
-    EXPECT_TRUE(status || !reader.atEnd() || reader.states() != finalStates(kChecksum));
+    EXPECT_TRUE(status || !reader.atEnd() || reader.state() != finalState(kChecksum));
   }
 }
 

@@ -81,9 +81,9 @@ TEST(Header, EveryFieldComesBack) {
     }
     h.positions.predictor = static_cast<Predictor>(1 + random() % 5);
     h.positions.order = random() % 2 == 0 ? Order::kTraversal : Order::kDegree;
-    h.positions.exact_hits = random() % 2 == 0;
     h.positions.effort = static_cast<Effort>(random() % 2);
-    h.positions.centred_only = h.positions.effort == Effort::kDefault && random() % 2 == 0;
+    h.positions.candidates = h.positions.effort == Effort::kDefault && random() % 2 == 0;
+    h.positions.exact_hits = h.positions.candidates && random() % 2 == 0;
     h.position_type = integer ? static_cast<ComponentType>(random() % 4) : ComponentType::kFloat32;
     h.has_references = random() % 2 == 0;
     h.anchored = integer || random() % 2 == 0;
@@ -120,7 +120,7 @@ TEST(Header, EveryFieldComesBack) {
     ASSERT_EQ(back.positions.predictor, h.positions.predictor);
     ASSERT_EQ(back.positions.order, h.positions.order);
     ASSERT_EQ(back.positions.exact_hits, h.positions.exact_hits);
-    ASSERT_EQ(back.positions.centred_only, h.positions.centred_only);
+    ASSERT_EQ(back.positions.candidates, h.positions.candidates);
     ASSERT_EQ(back.positions.normal_scale, h.positions.normal_scale);
     ASSERT_EQ(back.positions.fine_bits, h.positions.fine_bits);
     ASSERT_EQ(back.positions.effort, h.positions.effort);
@@ -164,13 +164,22 @@ TEST(Header, RefusesWhatIsUndefined) {
   EXPECT_EQ(changed(22, 1 | 1 << 2), ErrorCode::kInvalidCount) << "table 1 of 1";
 }
 
-TEST(Header, RefusesCentredOnlyAtEffortMax) {
+TEST(Header, RefusesCandidatesAtEffortMax) {
   Header header = smallHeader();
-  header.positions.centred_only = true;
+  header.positions.candidates = true;
   Header back;
   EXPECT_FALSE(read(written(header), back));
   header.positions.effort = Effort::kMax;
   EXPECT_EQ(errorOf(written(header)), ErrorCode::kReservedBits);
+}
+
+TEST(Header, RefusesExactHitsWithoutCandidates) {
+  Header header = smallHeader();
+  header.positions.exact_hits = true;
+  EXPECT_EQ(errorOf(written(header)), ErrorCode::kReservedBits);
+  header.positions.candidates = true;
+  Header back;
+  EXPECT_FALSE(read(written(header), back));
 }
 
 TEST(Header, RefusesBadNumbers) {

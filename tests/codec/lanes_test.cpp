@@ -201,17 +201,58 @@ TEST(Lanes, TranspositionSignsAndHighProducts) {
   }
 }
 
-TEST(Lanes, CountNotAbove) {
+TEST(Lanes, FirstAbove) {
   Numbers numbers;
   for (int run = 0; run < kRuns; ++run) {
     std::array<std::int16_t, 16> ascending;
     for (std::int16_t& x : ascending) x = static_cast<std::int16_t>(numbers() & 0x7fff);
-    std::sort(ascending.begin(), ascending.end());
+    std::sort(ascending.begin() + 1, ascending.end());  // lane 0 is anything
     const auto value = run % 2 == 0 ? ascending[numbers() % 16] : static_cast<std::int16_t>(numbers() & 0x7fff);
-    int expected = 0;
-    for (const std::int16_t x : ascending) expected += x <= value;
-    ASSERT_EQ(countNotAbove(loadLanes(ascending.data()), loadLanes(ascending.data() + 8), value), expected);
+    std::uint32_t expected = 1;
+    while (expected < 16 && ascending[expected] <= value) ++expected;
+    ASSERT_EQ(firstAbove(loadLanes(ascending.data()), loadLanes(ascending.data() + 8), value), expected);
   }
+}
+
+TEST(Lanes, PairsOfEqual) {
+  const Lanes values = {1, 2, 3, 9, 1, 2, 3, 9};
+  EXPECT_EQ(pairsOfEqual(values, Lanes{0, 0, 0, 9, 0, 0, 0, 9}), 0u) << "lanes 3 and 7 do not count";
+  EXPECT_EQ(pairsOfEqual(values, Lanes{1, 0, 0, 0, 0, 2, 0, 0}), 0b101u);
+  EXPECT_EQ(pairsOfEqual(values, Lanes{1, 0, 3, 0, 1, 0, 0, 0}), 0b10001u);
+  EXPECT_EQ(pairsOfEqual(values, Lanes{2, 3, 1, 0, 3, 1, 2, 0}), 0u);
+  Numbers numbers;
+  for (int run = 0; run < kRuns; ++run) {
+    Lanes few, others;
+    for (int i = 0; i < 8; ++i) others[i] = static_cast<std::int16_t>(numbers() % 3);
+    for (int i = 0; i < 4; ++i) few[i] = few[i + 4] = static_cast<std::int16_t>(numbers() % 3);
+    std::uint32_t expected = 0;
+    for (int a = 0; a < 3; ++a) {
+      if (few[a] == others[a] || few[a] == others[a + 4]) expected |= 1u << (2 * a);
+    }
+    ASSERT_EQ(pairsOfEqual(few, others), expected);
+  }
+}
+
+TEST(Lanes, FloatsThatHoldIntegers) {
+  Numbers numbers;
+  for (int run = 0; run < kRuns; ++run) {
+    const Integers a = numbers.integers(30), b = numbers.integers(30);
+    const Floats fa = floatsOf(a), fb = floatsOf(b), least = smaller(fa, fb), most = larger(fa, fb);
+    const Floats magnitude = magnitudes(fa);
+    for (int i = 0; i < 4; ++i) {
+      ASSERT_EQ(fa[i], static_cast<float>(a[i])) << "24 bits, ties to even";
+      ASSERT_EQ(least[i], std::min(fa[i], fb[i]));
+      ASSERT_EQ(most[i], std::max(fa[i], fb[i]));
+      ASSERT_EQ(magnitude[i], std::abs(fa[i]));
+    }
+    const Integers small = numbers.integers(23);
+    const Integers quarter = truncated(floatsOf(small) * 0.25f);
+    for (int i = 0; i < 4; ++i) ASSERT_EQ(quarter[i], small[i] / 4) << "towards zero";
+  }
+  EXPECT_EQ(truncated(floatsOf(Integers{(1 << 24) + 1, (1 << 24) + 3, -(1 << 25) - 2, -(1 << 25) - 6}))[0], 1 << 24);
+  EXPECT_EQ(truncated(floatsOf(Integers{(1 << 24) + 1, (1 << 24) + 3, -(1 << 25) - 2, -(1 << 25) - 6}))[1],
+            (1 << 24) + 4);
+  EXPECT_EQ(truncated(floatsOf(Integers{0, 0, -(1 << 25) - 2, -(1 << 25) - 6}))[3], -(1 << 25) - 8);
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST(Models, EverythingComesBack) {
   EntropyReader reader(bytes);
   run(Reading{reader});
   EXPECT_TRUE(reader.atEnd());
-  EXPECT_EQ(reader.states(), finalStates(7));
+  EXPECT_EQ(reader.state(), finalState(7));
 }
 
 TEST(BitModel, LearnsButNeverBecomesCertain) {
@@ -90,6 +90,26 @@ TEST(BitModel, LearnsButNeverBecomesCertain) {
     mark = writer.mark();
     model.put(writer, !likely);
     EXPECT_LT(writer.bitsSince(mark), 10.1) << "2^15 / 31 at worst";
+  }
+}
+
+// 16384 + ((32737 - 16384) >> 5) = 16895; from there, 16895 + ((31 - 16895) >> 5) = 16368.
+TEST(HitModel, UpdatesByHand) {
+  HitModel model;
+  EXPECT_EQ(model.one(), 16384u);
+  model.update(true);
+  EXPECT_EQ(model.one(), 16895u);
+  model.update(false);
+  EXPECT_EQ(model.one(), 16368u);
+}
+
+TEST(HitModel, NeverBecomesCertain) {
+  for (const bool likely : {false, true}) {
+    HitModel model;
+    for (int i = 0; i < 10000; ++i) model.update(likely);
+    EXPECT_NEAR(model.one(), likely ? kProbabilityOne - 31 : 31, 31);
+    EXPECT_GE(model.one(), 31u);
+    EXPECT_LE(model.one(), kProbabilityOne - 31);
   }
 }
 

@@ -21,23 +21,22 @@ std::vector<PositionParameters> allParameters() {
     for (const Basis basis : {Basis::kGate, Basis::kTip}) {
       for (int predictor = 1; predictor <= 5; ++predictor) {
         for (const Order order : {Order::kTraversal, Order::kDegree}) {
-          for (const bool hits : {false, true}) {
-            if (mode == Mode::kLattice && basis == Basis::kTip) continue;
-            PositionParameters p;
-            p.mode = mode;
-            p.basis = basis;
-            p.predictor = static_cast<Predictor>(predictor);
-            p.order = order;
-            p.exact_hits = hits;
-            p.fine_bits = mode == Mode::kTangent ? kFineBits : 0;
-            p.normal_scale = mode == Mode::kTangent ? static_cast<std::uint32_t>(predictor * 3) : 1;
-            all.push_back(p);
-            p.centred_only = true;
-            all.push_back(p);
-            p.centred_only = false;
-            p.effort = Effort::kMax;
-            all.push_back(p);
-          }
+          if (mode == Mode::kLattice && basis == Basis::kTip) continue;
+          PositionParameters p;
+          p.mode = mode;
+          p.basis = basis;
+          p.predictor = static_cast<Predictor>(predictor);
+          p.order = order;
+          p.fine_bits = mode == Mode::kTangent ? kFineBits : 0;
+          p.normal_scale = mode == Mode::kTangent ? static_cast<std::uint32_t>(predictor * 3) : 1;
+          all.push_back(p);
+          p.effort = Effort::kMax;
+          all.push_back(p);
+          p.effort = Effort::kDefault;
+          p.candidates = true;
+          all.push_back(p);
+          p.exact_hits = true;
+          all.push_back(p);
         }
       }
     }
@@ -66,7 +65,7 @@ std::vector<Vec3> codedPositions(const Surface& surface, const PositionMap& map,
   EXPECT_FALSE(decodePositions(start.order, parameters, reader, start.states));
   decoded = pointsOf(start.order, start.states);
   EXPECT_TRUE(reader.atEnd());
-  EXPECT_EQ(reader.states(), finalStates(kChecksum));
+  EXPECT_EQ(reader.state(), finalState(kChecksum));
   EXPECT_EQ(decoded, expected);
   return decoded;
 }
@@ -142,7 +141,10 @@ TEST(Positions, HostileBytesEndInTime) {
       CodingStart start = codingStart(surface, map, parameters.order);
       if (decodePositions(start.order, parameters, reader, start.states)) continue;
       for (const Vec3& p : pointsOf(start.order, start.states)) {
-        for (int a = 0; a < 3; ++a) ASSERT_LE(std::abs(p[a]), kCoordinateLimit);
+        for (int a = 0; a < 3; ++a) {
+          ASSERT_GE(p[a], -(1 << (kCoordinateBits - 1)));
+          ASSERT_LT(p[a], 1 << (kCoordinateBits - 1));
+        }
       }
     }
   }

@@ -17,10 +17,9 @@ TEST(Predict, Parallelogram) {
 }
 
 /// As the position coder calls it: beyond their count, candidates repeat the first.
-Vec3 averageOf(const std::array<Integers, 3>& candidates, int count) {
-  const Integers first = candidates[0];
-  const Integers second = count > 1 ? candidates[1] : first, third = count > 2 ? candidates[2] : first;
-  return vectorOf(average(first, second + third - first - first, count));
+Vec3 averageOf(std::array<Integers, 3> candidates, int count) {
+  for (std::size_t j = static_cast<std::size_t>(count); j < 3; ++j) candidates[j] = candidates[0];
+  return vectorOf(average(candidates, count));
 }
 
 TEST(Predict, AverageIsExactWhereAllAgreeAndRoundedElsewhere) {
@@ -32,7 +31,8 @@ TEST(Predict, AverageIsExactWhereAllAgreeAndRoundedElsewhere) {
   for (int i = 0; i < 10000; ++i) {
     std::array<Integers, 3> candidates;
     for (Integers& c : candidates) {
-      const auto coordinate = [&] { return static_cast<int>(random() % (6u << 26)) - (3 << 26); };
+      // Positions are within +-2^27.
+      const auto coordinate = [&] { return static_cast<int>(random() % (6u << 27)) - (3 << 27); };
       const int x = coordinate(), y = coordinate();
       c = lanes(x, y, coordinate());
     }
@@ -75,7 +75,7 @@ TEST(Predict, WeightedIsTheParallelogramOnRegularValences) {
   // An equilateral base, and thirds of a half turn expected everywhere: eq. 3 and 4 give w1 = w2 = 1.
   const Vec3 left(0, 0, 0), right(100000, 0, 0), base(50000, -86603, 0);
   const std::int64_t third = kHalfTurn / 3;
-  const Vec3 weighted = weightedParallelogram(left, right, base, {third, third, kHalfTurn - 2 * third});
+  const WideVec3 weighted = weightedParallelogram(left, right, base, {third, third, kHalfTurn - 2 * third});
   const Vec3 expected = left + right - base;
   for (int a = 0; a < 3; ++a) EXPECT_NEAR(weighted[a], expected[a], 400) << "within 0.4% of an edge";
 }
@@ -83,7 +83,7 @@ TEST(Predict, WeightedIsTheParallelogramOnRegularValences) {
 TEST(Predict, WeightedFollowsTheExpectedAngles) {
   // Right angle expected at the left vertex: the tip stands above it.
   const Vec3 left(0, 0, 0), right(100000, 0, 0), base(50000, -86603, 0);
-  const Vec3 tip = weightedParallelogram(left, right, base, {kHalfTurn / 2, kHalfTurn / 4, kHalfTurn / 4});
+  const WideVec3 tip = weightedParallelogram(left, right, base, {kHalfTurn / 2, kHalfTurn / 4, kHalfTurn / 4});
   EXPECT_NEAR(tip.x, 0, 2000);
   EXPECT_NEAR(tip.y, 100000, 2000);
   EXPECT_EQ(tip.z, 0);
@@ -91,7 +91,20 @@ TEST(Predict, WeightedFollowsTheExpectedAngles) {
 
 TEST(Predict, WeightedFallsBackWhereAnglesGiveNoTriangle) {
   const Vec3 left(0, 0, 0), right(1000, 0, 0), base(500, -800, 0);
-  EXPECT_EQ(weightedParallelogram(left, right, base, {kHalfTurn - 256, 256, 0}), left + right - base);
+  EXPECT_EQ(weightedParallelogram(left, right, base, {kHalfTurn - 256, 256, 0}), WideVec3(left + right - base));
+}
+
+TEST(Predict, WeightedOfFarVerticesExceeds32Bits) {
+  // A gate across all of the lattice, high above the base, and nearly right angles at both ends.
+  const int most = (1 << 27) - 1;
+  const Vec3 left(-most, most, 0), right(most, most, 0), base(0, -most, 0);
+  const std::int64_t angle = kHalfTurn / 2 - 500;
+  const WideVec3 tip = weightedParallelogram(left, right, base, {angle, angle, kHalfTurn - 2 * angle});
+  // Height of the new triangle: half the gate over the cotangent.
+  const double height = most / (static_cast<double>(cotangentOf(angle)) / 4096);
+  EXPECT_GT(height, std::ldexp(1.0, 31));
+  EXPECT_NEAR(static_cast<double>(tip.y), most + height, 0.01 * height);
+  EXPECT_NEAR(static_cast<double>(tip.x), 0, 0.01 * height);
 }
 
 /// A torus whose vertices are coded in the order of their numbers, or another.

@@ -25,7 +25,7 @@ double roundTrip(const Surface& surface, const std::vector<std::uint32_t>& verte
   EXPECT_EQ(decoded.vertex_position, map.vertex_position);
   EXPECT_EQ(decoded.position_count, map.position_count);
   EXPECT_TRUE(reader.atEnd());
-  EXPECT_EQ(reader.states(), finalStates(7));
+  EXPECT_EQ(reader.state(), finalState(7));
   return writer.bitsSince(0);
 }
 

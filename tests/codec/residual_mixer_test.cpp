@@ -53,7 +53,7 @@ TEST(ResidualMixer, EveryResidualComesBack) {
     ResidualMixer<Reading> decoder(Reading{reader}, lattice);
     for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(decoder.code(all[i].evidence, 0), all[i].residual) << i;
     EXPECT_TRUE(reader.atEnd());
-    EXPECT_EQ(reader.states(), finalStates(2));
+    EXPECT_EQ(reader.state(), finalState(2));
   }
 }
 

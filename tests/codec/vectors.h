@@ -199,7 +199,7 @@ class HeaderWalk {
     const unsigned anchored = bits("anchored", 2, second, 3, 1, {});
     bits("has references", 2, second, 4, 1, {});
     bits("one vertex per position", 2, second, 5, 1, {});
-    bits("centred only", 2, second, 6, 1, {});
+    bits("candidates", 2, second, 6, 1, {});
     const unsigned has_dummies = bits("has dummies", 2, second, 7, 1, {});
     if (mode == 1) {
       byte();

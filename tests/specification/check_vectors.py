@@ -66,7 +66,7 @@ def damaged(streams):
         stream[bit // 8] ^= 1 << bit % 8
         yield f"{name} with bit {bit} flipped", bytes(stream)
     for name in names:
-        yield f"{name} with a word more", streams[name] + bytes(4)
+        yield f"{name} with a byte more", streams[name] + bytes(1)
 
 
 def main(folder):

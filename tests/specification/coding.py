@@ -68,69 +68,65 @@ def shifted(a, n):
     return scale(a, 1 << n) if n >= 0 else shift_right(a, -n)
 
 
-def width(a):
-    return max(bits(x if x >= 0 else -x - 1) for x in a)
-
-
 def undo_zigzag(u):
     return u // 2 if u % 2 == 0 else -(u + 1) // 2
 
 
 # ---------------------------------------------------------------------------- 3 Entropy coder
 
+LEAST_STATE = 2**56
+
+
 class EntropyReader:
-    """The rANS decoder (section 3)."""
+    """The rANS decoder (section 3). What takes `ends_group` leaves the group open if that is false."""
 
     def __init__(self, payload):
+        require(len(payload) >= 8, "truncated payload")
         self.payload = payload
-        self.position = 0
-        self.state = [0, 0, 0]
-        for lane in range(3):
-            high = self.word()
-            self.state[lane] = high << 16 | self.word()
-            require(high > 0, "an initial state below 2^16")
+        self.position = 8
+        self.state = int.from_bytes(payload[:8], "big")
+        require(self.state >= LEAST_STATE, "an initial state below 2^56")
 
-    def word(self):
-        require(self.position + 2 <= len(self.payload), "truncated payload")
-        self.position += 2
-        return int.from_bytes(self.payload[self.position - 2:self.position], "little")
+    def end_group(self):
+        while self.state < LEAST_STATE:
+            require(self.position < len(self.payload), "truncated payload")
+            self.state = self.state * 256 + self.payload[self.position]
+            self.position += 1
 
-    def slot(self, lane=0):
-        return self.state[lane] & 32767
+    def slot(self):
+        return self.state % 2**15
 
-    def consume(self, start, frequency, lane=0):
-        state = frequency * (self.state[lane] >> 15) + self.slot(lane) - start
-        self.state[lane] = state if state >= 1 << 16 else state << 16 | self.word()
+    def consume(self, start, frequency, ends_group=True):
+        self.state = frequency * (self.state >> 15) + self.slot() - start
+        if ends_group:
+            self.end_group()
 
-    def symbol(self, below, lane=0):
+    def symbol(self, below, ends_group=True):
         """The symbol s that owns [below[s], below[s + 1])."""
-        s = bisect_right(below, self.slot(lane)) - 1
-        self.consume(below[s], below[s + 1] - below[s], lane)
+        s = bisect_right(below, self.slot()) - 1
+        self.consume(below[s], below[s + 1] - below[s], ends_group)
         return s
 
-    def raw(self, n):
-        value = 0
-        for done in range(0, n, 14):
-            m = min(14, n - done)
-            part = self.slot() >> (15 - m)
-            self.consume(part << (15 - m), 1 << (15 - m))
-            value += part << done
-        return value
+    def bit(self, one, ends_group=True):
+        """1 with probability `one` / 2^15."""
+        bit = int(self.slot() < one)
+        self.consume(0 if bit else one, one if bit else 32768 - one, ends_group)
+        return bit
 
-    def long_raw(self, n):
-        value = 0
-        while n > 14:
-            value = (value << 14) + self.raw(14)
-            n -= 14
-        return (value << n) + self.raw(n)
+    def raw(self, n, ends_group=True):
+        value = self.state % 2**n
+        self.state >>= n
+        if ends_group:
+            self.end_group()
+        return value
 
 
 # ---------------------------------------------------------------------------- 4 Adaptive models
 
-def approach(below, symbol, rate, top):
-    """Moves inner cumulative frequencies towards a distribution in which `symbol` has nearly all."""
-    for s in range(1, len(below) - 1):
-        below[s] += (s + (top if s > symbol else 0) - below[s]) >> rate
+def approach(below, symbol, rate):
+    """Moves cumulative frequencies towards a distribution in which `symbol` has nearly all."""
+    for s in range(1, 16):
+        below[s] += (s + (32752 if s > symbol else 0) - below[s]) >> rate
 
 
 class SymbolModel:
@@ -143,7 +139,7 @@ class SymbolModel:
     def get(self, reader):
         x = reader.symbol(self.below)
         rate = 3 + (self.count >= 4) + (self.count >= 12) + (self.count >= 32)
-        approach(self.below, x, rate, 32752)
+        approach(self.below, x, rate)
         self.count = min(self.count + 1, 32)
         return x
 
@@ -156,11 +152,7 @@ class BitModel:
         self.count = 0
 
     def get(self, reader):
-        bit = int(reader.slot() < self.p)
-        if bit:
-            reader.consume(0, self.p)
-        else:
-            reader.consume(self.p, 32768 - self.p)
+        bit = reader.bit(self.p)
         rate = 2 + (self.count >> 1) if self.count < 4 else 4 if self.count < 16 else 5
         self.p += ((32737 if bit else 31) - self.p) >> rate
         self.count = min(self.count + 1, 16)
@@ -186,3 +178,22 @@ class IntegerModel:
 
     def signed(self, reader):
         return undo_zigzag(self.get(reader))
+
+
+class CumulativeTable:
+    """Symbols 0 to 15; the ages from which on it moves more slowly are its stage's (section 4.4)."""
+
+    def __init__(self, below, age, slower_from):
+        self.below = list(below)
+        self.age = age
+        self.slower_from = slower_from
+
+    def update(self, symbol):
+        rate = 3 + sum(self.age >= age for age in self.slower_from)
+        approach(self.below, symbol, rate)
+        self.age += (32767 - self.age) >> rate
+
+
+def average(a, b):
+    """The cumulative frequencies by two tables."""
+    return [(x + y) >> 1 for x, y in zip(a.below, b.below)]

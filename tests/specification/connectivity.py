@@ -1,7 +1,7 @@
 """The surface and its growth from the stream: BITSTREAM.md, sections 1.4 and 5."""
 from collections import defaultdict
 
-from coding import BitModel, IntegerModel, SymbolModel, approach, bits, clamp, require
+from coding import BitModel, CumulativeTable, IntegerModel, SymbolModel, average, bits, clamp, require
 from mixed_tips import MixedTips
 
 
@@ -332,15 +332,7 @@ PRIOR = [0, 1200, 4200, 11200, 20800, 26000, 28200, 29300, 29900,
          30300, 30600, 30800, 31000, 31300, 31400, 32200, 32768]
 
 
-class TipTable:
-    def __init__(self, below, age):
-        self.below = list(below)
-        self.age = age
-
-    def update(self, symbol):
-        rate = 3 + (self.age >= 17920) + (self.age >= 26624) + (self.age >= 31744) + (self.age >= 32512)
-        approach(self.below, symbol, rate, 32752)
-        self.age += (32767 - self.age) >> rate
+SLOWER_FROM = 17920, 26624, 31744, 32512
 
 
 class TipModel:
@@ -348,7 +340,7 @@ class TipModel:
 
     def __init__(self, vertex_count):
         self.number_bits = clamp(bits(vertex_count), 6, 12)  # M
-        self.parents = defaultdict(lambda: TipTable(PRIOR, 13000))
+        self.parents = defaultdict(lambda: CumulativeTable(PRIOR, 13000, SLOWER_FROM))
         self.sets = ({}, {})
 
     def number(self, context):
@@ -365,9 +357,9 @@ class TipModel:
         for tables_by_number, context in zip(self.sets, (first, second)):
             number = self.number(context)
             if number not in tables_by_number:
-                tables_by_number[number] = TipTable(tables[0].below, 4096)
+                tables_by_number[number] = CumulativeTable(tables[0].below, 4096, SLOWER_FROM)
             tables.append(tables_by_number[number])
-        symbol = reader.symbol([(a + b) >> 1 for a, b in zip(tables[1].below, tables[2].below)])
+        symbol = reader.symbol(average(*tables[1:]))
         for table in tables:
             table.update(symbol)
         return symbol

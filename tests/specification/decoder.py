@@ -115,14 +115,15 @@ class Header:
         (self.is_tangent, self.is_tip_aligned, self.predictor, self.is_degree_order, self.exact_hits,
          self.is_max_effort) = fields.flags(1, 1, 3, 1, 1, 1)
         (self.position_type, self.is_anchored, self.has_references, self.one_vertex_per_position,
-         self.centred_only, has_dummies) = fields.flags(3, 1, 1, 1, 1, 1)
+         self.has_candidates, has_dummies) = fields.flags(3, 1, 1, 1, 1, 1)
         require(self.predictor <= 4, "no such predictor")
         require(self.is_tangent or not self.is_tip_aligned, "a basis in lattice mode")
         require(self.position_type in POSITION_TYPES, "no such position type")
         if self.position_type != FLOAT32:
             require(self.is_anchored and not self.is_tangent, "integers that are not anchored in lattice mode")
         self.dummy_count = None if has_dummies else 0
-        require(not self.centred_only or not self.is_max_effort, "centred only at effort max")
+        require(not self.has_candidates or not self.is_max_effort, "candidates at effort max")
+        require(not self.exact_hits or self.has_candidates, "exact hits without candidates")
         self.fine_bits = 6 if self.is_tangent else 0
 
     def read_counts(self, fields):
@@ -274,8 +275,7 @@ def decode(stream, byte_limit=2**31):
     outputs = [positions_output(header, [points[x] for x in table]) for table in tables]
     outputs += [indices_output(index_type, indices) for index_type, indices in zip(header.index_types, triangles)]
     checksum = checksum_of(stream[:header.size], outputs)
-    final = [2**16 + checksum % 2**16, 2**16 + (checksum >> 16), 2**16]
-    require(reader.state == final, "checksum mismatch")
+    require(reader.state == 2**56 + checksum, "checksum mismatch")
     return Mesh(header, outputs, checksum)
 
 

@@ -267,7 +267,7 @@ class MixedResiduals:
     def decode(self, surface, known, arc, p, is_centred, state):
         """The residual of a position. Sets the offset that it counts from, and the state's hits."""
         def to_local(d):
-            return tuple((dot(axis, d) + 2**12) >> 13 for axis in p.frame)
+            return tuple((dot(axis, d) + 2**11) >> 12 for axis in p.frame)
 
         features = Features(surface, known, arc, p, to_local, self.header.is_tangent)
         shape = p.n, (p.valence >= 6) + (p.valence > 6)

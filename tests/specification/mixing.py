@@ -56,8 +56,7 @@ def decide(sets, inputs, chances, reader):
     """A bit that the inputs predict; sets and chances learn from it."""
     q = squash(mix(sets, inputs))
     one = clamp(q >> 1, 1, 32767)
-    bit = int(reader.slot() < one)
-    reader.consume(0 if bit else one, one if bit else 32768 - one)
+    bit = reader.bit(one)
     for weights in sets:
         weights.learn(inputs, 65535 * bit - q)
     for chance in chances:

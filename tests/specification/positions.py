@@ -2,8 +2,8 @@
 from collections import defaultdict, deque
 from math import isqrt
 
-from coding import (BitModel, IntegerModel, add, add_to_each, bits, clamp, cross, dot, largest, log, scale,
-                    shift_right, shifted, sign, sub, undo_zigzag, width)
+from coding import (CumulativeTable, IntegerModel, add, add_to_each, average, bits, clamp, cross, dot, largest, log,
+                    scale, shift_right, sign, sub, undo_zigzag)
 from connectivity import next_corner, previous_corner
 from mixed import MixedResiduals, arc_of
 
@@ -16,6 +16,14 @@ EAGER_UNTIL = 2048  # time until which all learn from each position
 
 def on_lattice(v):
     return tuple(clamp(x, -2**26, 2**26) for x in v)
+
+
+def wrapped(v):
+    return tuple((x + 2**27) % 2**28 - 2**27 for x in v)
+
+
+def short(v):
+    return tuple(clamp(x, -2**15, 2**15 - 1) for x in v)
 
 
 def steps_of(header):
@@ -137,7 +145,7 @@ class Prediction:
         self.left, self.right, self.base = (state.position for state in stencils[0])
         self.candidates = [sub(add(left.position, right.position), base.position) for left, right, base in stencils]
         self.mean = self.mean_of(*self.candidates)
-        self.point = self.frame = self.around = self.offset = None
+        self.point = self.frame = self.offset = None
 
     @staticmethod
     def mean_of(first, second=None, third=None):
@@ -220,17 +228,40 @@ def weighted(prediction, gate_angles):
 
 # ---------------------------------------------------------------------------- 6.4 Frames
 
-DEFAULT_FRAME = ((8192, 0, 0), (0, 8192, 0), (0, 0, 8192))
+DEFAULT_FRAME = ((4096, 0, 0), (0, 4096, 0), (0, 0, 4096))
+
+
+def toward_zero(x, n):
+    """x / 2^n without its fraction."""
+    return sign(x) * (abs(x) >> n)
+
+
+def each_toward_zero(v, n):
+    return tuple(toward_zero(x, n) for x in v)
+
+
+def rounded(x):
+    """To 24 significant bits, ties to even."""
+    n = bits(x) - 24
+    if n <= 0:
+        return x
+    m, rest = abs(x) >> n, abs(x) % 2**n
+    m += rest > 2**(n - 1) or (rest == 2**(n - 1) and m % 2 == 1)
+    return sign(x) * (m << n)
 
 
 def scaled(v):
-    return shifted(v, 14 - width(v))
+    """With 11 bits in the largest component."""
+    v = tuple(rounded(x) for x in v)
+    n = bits(largest(v)) - 11
+    return each_toward_zero(v, n) if n >= 0 else scale(v, 2**-n)
 
 
 def unit(v):
-    i = dot(v, v) >> 19
-    root = isqrt((2 * i + 1) << 18)
-    return shift_right(scale(v, 2**28 // root), 15)
+    square = dot(v, v)
+    n = bits(square) - 8
+    root = isqrt(2**46 // (((square >> n) + 1) << n))
+    return each_toward_zero(scale(v, root), 11)
 
 
 def frame_at(prediction, is_tip_aligned):
@@ -243,58 +274,45 @@ def frame_at(prediction, is_tip_aligned):
     normal = unit(scaled(across))
     if not is_tip_aligned:
         first = unit(gate)
-        return normal, first, shift_right(cross(normal, first), 13)
+        return normal, first, each_toward_zero(cross(normal, first), 12)
     upright = cross(normal, scaled(sub(prediction.point, base)))
     if not any(upright):
         return DEFAULT_FRAME
     second = unit(scaled(upright))
-    return normal, shift_right(cross(second, normal), 13), second
+    return normal, each_toward_zero(cross(second, normal), 12), second
 
 
 def to_lattice(frame, local):
-    return tuple((dot(axis, local) + 2**12) >> 13 for axis in zip(*frame))
+    return tuple((dot(axis, local) + 2**11) >> 12 for axis in zip(*frame))
 
 
-# ---------------------------------------------------------------------------- 6.5 Displacements and the adaptive offset
-
-class VectorsAround:
-    """Vectors around a position, and where its candidates lie."""
-
-    def __init__(self, p, is_tangent):
-        left, right, base = p.stencils[0]
-        first, second = (sub(candidate, p.point) for candidate in (p.candidates[0], p.candidates[:2][-1]))
-        vectors = [left.surprise, right.surprise, base.surprise, first,
-                   shift_right(add(sub(p.left, p.base), sub(p.right, p.base)), 1), sub(p.left, p.right), second]
-        self.e = 12 - max(map(width, vectors))
-        common = [shifted(v, self.e) for v in vectors]
-        if is_tangent:
-            self.near = [tuple(sum((m * x) >> 16 for m, x in zip(axis, v)) for axis in p.frame) for v in common]
-            self.displacements = [shifted(self.near[i], 3 - self.e) for i in (3, 6)]
-        else:
-            self.near = [shift_right(v, 3) for v in common]
-            self.displacements = [first, second]
-
+# ---------------------------------------------------------------------------- 6.5 The adaptive offset
 
 class AdaptiveOffset:
     """A sum of features, weighted by sign-sign LMS."""
 
-    def __init__(self):
+    def __init__(self, vector_shift):
+        self.vector_shift = vector_shift            # u
         self.weight = defaultdict(lambda: [0] * 8)  # by class and component
         self.features = None
 
     def offset(self, p):
-        near = p.around.near
+        u = self.vector_shift
+        left, right, base = p.stencils[0]
+        height = add(sub(p.left, p.base), sub(p.right, p.base))
+        vectors = [left.surprise, right.surprise, base.surprise, short(shift_right(sub(p.candidates[0], p.point), u)),
+                   short(shift_right(height, u + 1)), short(shift_right(sub(p.left, p.right), u))]
+        near = [tuple(dot(axis, v) >> (13 if i < 4 else 16) for axis in p.frame) for i, v in enumerate(vectors)]
         left, right, base = (state.valence for state in p.stencils[0])
-        self.features = [scale(near[i], 4) for i in range(5)]
-        self.features.append(scale(near[4], clamp(p.valence - 6, -12, 12)))
-        self.features.append(scale(near[5], clamp(left - right, -12, 12)))
-        self.features.append(scale(near[4], clamp(left + right - base - 6, -12, 12)))
-        shift = max(14 + p.around.e, 0)
+        self.features = near[:4] + [scale(near[4], 4)]
+        self.features.append(scale(near[4], clamp(p.valence - 6, -7, 7)))
+        self.features.append(scale(near[5], clamp(left - right, -7, 7)))
+        self.features.append(scale(near[4], clamp(left + right - base - 6, -7, 7)))
         offset = []
         for a in range(3):
             total = sum(w * feature[a] for w, feature in zip(self.weight[p.model_class, a], self.features))
-            value = (total + (1 << (shift - 1))) >> shift if shift > 0 else total
-            offset.append(clamp(value, -2**26, 2**26))
+            total = (total + 2**13 + 2**31) % 2**32 - 2**31
+            offset.append((total >> 14) << u)
         return tuple(offset)
 
     def learn(self, p, residual):
@@ -306,73 +324,64 @@ class AdaptiveOffset:
 
 # ---------------------------------------------------------------------------- 6.6 Residuals
 
-class BinTable:
-    TOTAL = 32736
-    DECAYS = (6, 8, 11, 15, 19, 25, 31, 38, 44, 42)
-
-    def __init__(self, bins, scale_class):
-        decay = self.DECAYS[min(scale_class, 9)]
-        weights = []
-        for i in range(bins):
-            x = 2**14
-            for _ in range(abs(i - bins // 2)):
-                x = decay * x // 64
-            weights.append(64 + x)
-        self.below = [self.TOTAL * sum(weights[:i]) // sum(weights) for i in range(bins)]
-        self.age = 0
-
-    def update(self, bin_):
-        rate = 3 + (self.age >= 13312) + (self.age >= 21248) + (self.age >= 27904)
-        for i in range(1, len(self.below)):
-            self.below[i] += ((self.TOTAL if i > bin_ else 0) - self.below[i]) >> rate
-        self.age += (32767 - self.age) >> rate
-
-    def window(self, start):
-        return [0] + self.below[start + 1:start + 16] + [self.TOTAL]
+DECAYS = (6, 8, 11, 15, 19, 25, 31, 38, 44, 42)
 
 
-class Shares:
-    """Of the experts of a class and component."""
+def first_table(decay):
+    """Bins before anything is known."""
+    weights = []
+    for i in range(16):
+        x = 2**14
+        for _ in range(abs(i - 8)):
+            x = decay * x // 64
+        weights.append(64 + x)
+    below = [i + 32752 * sum(weights[:i]) // sum(weights) for i in range(17)]
+    return CumulativeTable(below, 0, (13312, 21248, 27904))
 
-    def __init__(self):
-        self.share = [21845] * 3
 
-    def mixed(self, windows):
-        below = [i + sum((w[i] * share) >> 16 for w, share in zip(windows, self.share)) for i in range(16)]
-        return below + [32768]
+class Tables(dict):
+    """Tables by key, `first_of(key)` before they are first used."""
 
-    def learn(self, given):
-        part = [(g * share) >> 16 for g, share in zip(given, self.share)]
-        r = 2**31 // (1 + sum(part))
-        for j in range(3):
-            p = (part[j] * r) >> 15
-            target = p - (p >> 5) + 682
-            self.share[j] += (target - self.share[j]) >> 6
+    def __init__(self, decay_of):
+        super().__init__()
+        self.decay_of = decay_of
+
+    def __missing__(self, key):
+        self[key] = first_table(self.decay_of(*key))
+        return self[key]
 
 
 class Context:
-    """The context of one component, and where the candidates lie in it."""
+    """The context of each component."""
 
-    def __init__(self, p, a, fine_bits, step):
+    def __init__(self, p, header):
         stencils = (p.stencils * 2)[:2]
-        magnitudes = [sum(state.magnitude[i] for stencil in stencils for state in stencil) for i in range(3)]
-        own, total = magnitudes[a], sum(magnitudes)
+        magnitudes = [sum(state.magnitude[a] for stencil in stencils for state in stencil) for a in range(3)]
         if p.n == 1:
-            s = sum(abs(x) >> 2 for x in sub(p.left, p.right))
+            apart = [abs(x >> 1) for x in sub(p.left, p.right)]
         else:
-            s = sum(abs(d[a]) for d in p.around.displacements)
-        spread = min(s, 4096) << (6 - fine_bits)
-        expected = 192 * own + 16 * total + 3 * spread + 256
-        self.scale = (log(expected) - (8 << 23)) >> 22
-        self.shift = max(0, (log(expected) - (11 << 23) - 1677721) >> 23)
-        ratio = (log(spread + 1) - log(16 * own + total + 16) + (3 << 23)) >> 23
-        self.ratio = clamp(ratio, 0, 4) + 5 * p.model_class
-        self.half = (1 << self.shift) >> 1
-        self.candidates = [d[a] - p.offset[a] for d in p.around.displacements]
-        m = self.shift + bits(step) - 1
-        whole = bits(step) - 1
-        self.hit_at = [(c + ((1 << whole) >> 1)) >> whole for c in self.candidates]
-        self.bins = [clamp((c + ((1 << m) >> 1)) >> m, -8, 8) for c in self.candidates]
+            apart = [abs(x) for x in sub(p.candidates[0], p.candidates[1])]
+        spread = [min(x, 8192) << (6 - header.fine_bits) for x in apart]
+        if header.is_tangent:
+            spread = [sum(spread) >> 1] * 3
+        self.scale, self.ratio, self.shift = [], [], []
+        for own, s in zip(magnitudes, spread):
+            mean = 16 * own + sum(magnitudes) + 16
+            scale_class = max(0, (log(mean + (s >> 2)) - (9 << 22)) >> 22)
+            self.scale.append(scale_class)
+            self.shift.append(max(0, scale_class - 6) >> 1)
+            ratio = (log(s + 1) - log(mean) + (3 << 23)) >> 23
+            self.ratio.append(clamp(ratio, 0, 4) + 5 * p.model_class)
+
+
+class HitModel:
+    def __init__(self):
+        self.p = 16384
+
+    def get(self, reader):
+        bit = reader.bit(self.p, ends_group=False)
+        self.p += ((32737 if bit else 31) - self.p) >> 5
+        return bit
 
 
 class ResidualReader:
@@ -380,72 +389,73 @@ class ResidualReader:
         self.header = header
         self.reader = reader
         self.step = steps_of(header)
-        self.centred, self.shifted = {}, {}
-        self.shares = defaultdict(Shares)
-        self.beyond, self.hit = defaultdict(IntegerModel), defaultdict(BitModel)
+        self.step_bits = [bits(step) - 1 for step in self.step]
+        self.second_tells = header.predictor == PARALLELOGRAM
+        self.centred = Tables(lambda a, scale_class, ratio: DECAYS[min(scale_class, 9)])
+        self.placed = Tables(lambda a, wide, *_: DECAYS[9 if wide else 5])
+        self.beyond, self.hit = defaultdict(IntegerModel), defaultdict(HitModel)
 
     def get(self, p, state):
-        """The residual of a position."""
+        """The residual of a position; sets the hits of its state."""
+        context = Context(p, self.header)
+        candidates = self.candidates(p) if self.header.has_candidates else None
+        came_true, flags = 0, [0, 0, 0]
         residual, wanting = [0, 0, 0], [0, 0, 0]
         for a in range(3):
-            context = Context(p, a, self.header.fine_bits, self.step[a])
-            value = self.value(p, a, context)
-            if self.header.exact_hits and context.shift > 0:
-                exact = self.exact_hit(p, a, context, value, state)
-                if exact is not None:
-                    residual[a] = exact
-                    continue
-            residual[a] = (value << context.shift) - context.half
-            wanting[a] = context.shift
-        low = self.reader.long_raw(sum(wanting))
-        residual[0] += low >> (wanting[1] + wanting[2])
-        residual[1] += (low >> wanting[2]) % (1 << wanting[1])
-        residual[2] += low % (1 << wanting[2])
+            shift = context.shift[a]
+            half = (1 << shift) >> 1
+            centred = self.centred[a, context.scale[a], context.ratio[a]]
+            if candidates is None:
+                value = self.value(a, shift, [centred])
+            else:
+                bins = [(candidate[a] + half) >> shift for candidate in candidates]
+                place = clamp(bins[self.second_tells], -7, 7) + 7 if p.n > 1 else 15
+                around = sum(end.hits >> a & 1 for end in p.stencils[0][:2])
+                value = self.value(a, shift, [centred, self.placed[a, shift > 0, came_true, around, place]])
+                came_true = 1 + bins.index(value) if value in bins else 3
+                if self.header.exact_hits:
+                    if shift > 0 and came_true < 3:
+                        before = flags[a - 1] if a > 0 else 0
+                        flags[a] = self.hit[a, min(shift, 3), came_true, around, before].get(self.reader)
+                    self.reader.end_group()
+            if flags[a]:
+                residual[a] = candidates[came_true - 1][a]
+            else:
+                residual[a] = (value << shift) - half
+                wanting[a] = shift
+        if sum(wanting) > 11:
+            self.reader.end_group()
+        for a in range(3):
+            residual[a] += self.reader.raw(wanting[a], ends_group=False)
+        self.reader.end_group()
+        if candidates is not None:
+            near = short(residual)
+            state.hits = sum((near[a] in (candidates[0][a], candidates[1][a])) << a for a in range(3))
         return residual
 
-    def value(self, p, a, context):
-        b = self.bin(p, a, context)
-        limit = 2**28 >> (context.shift + bits(self.step[a]) - 1)
+    def candidates(self, p):
+        """Where the first two candidates lie, as residuals."""
+        result = []
+        for candidate in (p.candidates * 2)[:2] if p.n == 1 else p.candidates[:2]:
+            d = sub(candidate, p.point)
+            if self.header.is_tangent:
+                d = [dot(axis, short(d)) >> 12 for axis in p.frame]
+            d = sub(d, p.offset)
+            result.append(short((x + (step >> 1)) >> m for x, step, m in zip(d, self.step, self.step_bits)))
+        return result
+
+    def value(self, a, shift, tables):
+        """The bin of component a, from the middle."""
+        b = self.reader.symbol(average(tables[0], tables[-1]), ends_group=False)
         value = b - 8
-        if b == 0:
-            value = max(value - self.beyond[context.shift].get(self.reader), -limit)
-        elif b == 15:
-            value = min(value + self.beyond[context.shift].get(self.reader), limit)
+        if b in (0, 15):
+            self.reader.end_group()
+            limit = 2**28 >> (shift + self.step_bits[a])
+            value += sign(value) * self.beyond[shift].get(self.reader)
+            value = clamp(value, -limit, limit)
+        for table in tables:
+            table.update(b)
         return value
-
-    def bin(self, p, a, context):
-        key = a, context.scale, context.ratio
-        if key not in self.centred:
-            self.centred[key] = BinTable(16, context.scale)
-        centred = self.centred[key]
-        if p.n == 1 or self.header.centred_only:
-            b = self.reader.symbol([i + t for i, t in enumerate(centred.below)] + [32768], a)
-            centred.update(b)
-            return b
-        key = a, context.scale
-        if key not in self.shifted:
-            self.shifted[key] = BinTable(32, context.scale)
-        table = self.shifted[key]
-        windows = [centred.window(0)] + [table.window(8 - o) for o in context.bins]
-        shares = self.shares[p.model_class, a]
-        b = self.reader.symbol(shares.mixed(windows), a)
-        if p.time % 4 == a or p.time < EAGER_UNTIL:
-            shares.learn([w[b + 1] - w[b] for w in windows])
-            table.update(b + 8 - min(context.bins, key=lambda o: abs(b - 8 - o)))
-        centred.update(b)
-        return b
-
-    def exact_hit(self, p, a, context, value, state):
-        left, right, _ = p.stencils[0]
-        around_hits = (left.hits >> a & 1) + (right.hits >> a & 1)
-        before = state.hits >> (a - 1) & 1 if a > 0 else 0
-        for j, candidate in enumerate(context.hit_at[:p.n]):
-            if (candidate + context.half) >> context.shift != value or (j == 1 and candidate == context.hit_at[0]):
-                continue
-            if self.hit[min(context.shift, 8) - 1, j, around_hits, p.model_class, before].get(self.reader):
-                state.hits |= 1 << a
-                return candidate
-        return None
 
 
 # ---------------------------------------------------------------------------- 6.2 to 6.7 together
@@ -462,7 +472,8 @@ class Positions:
         self.step = steps_of(header)
         self.residuals = ResidualReader(header, reader)
         self.mixed = MixedResiduals(header, self.step, reader)
-        self.adaptive = AdaptiveOffset()
+        self.vector_shift = 3 if header.is_tangent and not header.is_max_effort else 0
+        self.adaptive = AdaptiveOffset(self.vector_shift)
         self.free = [IntegerModel() for _ in range(3)]
 
     def run(self):
@@ -496,14 +507,13 @@ class Positions:
         else:
             residual = self.residual(p, state)
         local = [o + r * step for o, r, step in zip(p.offset, residual, self.step)]
-        state.position = on_lattice(add(p.point, to_lattice(p.frame, local) if self.header.is_tangent else local))
+        state.position = wrapped(add(p.point, to_lattice(p.frame, local) if self.header.is_tangent else local))
         state.magnitude = [min(abs(r), 5461) for r in residual]
-        state.surprise = tuple(clamp(x, -32768, 32767) for x in sub(state.position, p.mean))
+        state.surprise = short(shift_right(sub(state.position, p.mean), self.vector_shift))
 
     def residual(self, p, state):
         """By sections 6.5 and 6.6."""
         header = self.header
-        p.around = VectorsAround(p, header.is_tangent)
         p.offset = self.adaptive.offset(p) if header.predictor == ADAPTIVE else (0, 0, 0)
         residual = self.residuals.get(p, state)
         if header.predictor == ADAPTIVE and (p.time % 2 == 1 or p.time < EAGER_UNTIL):
