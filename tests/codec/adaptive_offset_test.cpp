@@ -79,7 +79,7 @@ TEST(AdaptiveOffset, IsTheWeightedSumOfFeatures) {
     int factors[3];
     for (int& factor : factors) factor = static_cast<int>(random() % 21) - 10;
     if (run % 100 == 0) factors[run % 3] = run % 200 == 0 ? 1 << 28 : -(1 << 28);
-    const Features features(frame, s, factors[0], factors[1], factors[2]);
+    const Features features(frame, s, Integers{0, factors[0], factors[1], factors[2]});
     const Integers found = adaptive.offset(features);
     // The vectors left, right, base, first, height, gate: two in each register.
     const Lanes registers[3] = {s.gate_surprises, s.base_and_first, s.shape};

@@ -164,14 +164,14 @@ TEST(Frame, ScaledVectorsAreAsWritten) {
 
 TEST(Frame, UnitVectorByHand) {
   const auto unitOf = [](const WideVec3& v) {
-    Floats unit{};
+    Integers unit{};
     EXPECT_TRUE(unitVector(floatsOf(lanesOf(Vec3(v))), unit));
-    return wideOf(unit);
+    return WideVec3(vectorOf(unit));
   };
   // 2^20 has the first seven fraction bits 0: bound 129 * 2^13, root floor(2^23 / sqrt(1056768)) = 8160.
   EXPECT_EQ(unitOf({0, 0, -1024}), WideVec3(0, 0, -4080));
   EXPECT_EQ(unitOf({1024, -1024, 0}), WideVec3(2885, -2885, 0));
-  Floats untouched = floatsOf(lanes(1, 2, 3));
+  Integers untouched = lanes(1, 2, 3);
   EXPECT_FALSE(unitVector(Floats{}, untouched));
 }
 
@@ -185,9 +185,9 @@ TEST(Frame, UnitVectorsAreAsWritten) {
     };
     WideVec3 v(coordinate(), coordinate(), coordinate());
     if (magnitudeBits(v) < kUnitInputBits) v[static_cast<int>(random() % 3)] = random() % 2 == 0 ? 1024 : -1500;
-    Floats unit;
+    Integers unit;
     ASSERT_TRUE(unitVector(floatsOf(lanesOf(Vec3(v))), unit));
-    const WideVec3 found = wideOf(unit);
+    const WideVec3 found(vectorOf(unit));
     ASSERT_EQ(found, unitAsWritten(v));
     const double length = glm::length(glm::dvec3(found)) / kOne;
     shortest = std::min(shortest, length);

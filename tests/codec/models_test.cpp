@@ -96,20 +96,28 @@ TEST(BitModel, LearnsButNeverBecomesCertain) {
 // 16384 + ((32737 - 16384) >> 5) = 16895; from there, 16895 + ((31 - 16895) >> 5) = 16368.
 TEST(HitModel, UpdatesByHand) {
   HitModel model;
-  EXPECT_EQ(model.one(), 16384u);
-  model.update(true);
-  EXPECT_EQ(model.one(), 16895u);
-  model.update(false);
-  EXPECT_EQ(model.one(), 16368u);
+  EXPECT_EQ(model.one(true), 16384u);
+  model.update(true, true);
+  EXPECT_EQ(model.one(true), 16895u);
+  model.update(false, true);
+  EXPECT_EQ(model.one(true), 16368u);
+}
+
+TEST(HitModel, WhatIsImpossibleCostsNothingAndTeachesNothing) {
+  HitModel model;
+  EXPECT_EQ(model.one(false), 0u);
+  model.update(true, false);
+  model.update(false, false);
+  EXPECT_EQ(model.one(true), 16384u);
 }
 
 TEST(HitModel, NeverBecomesCertain) {
   for (const bool likely : {false, true}) {
     HitModel model;
-    for (int i = 0; i < 10000; ++i) model.update(likely);
-    EXPECT_NEAR(model.one(), likely ? kProbabilityOne - 31 : 31, 31);
-    EXPECT_GE(model.one(), 31u);
-    EXPECT_LE(model.one(), kProbabilityOne - 31);
+    for (int i = 0; i < 10000; ++i) model.update(likely, true);
+    EXPECT_NEAR(model.one(true), likely ? kProbabilityOne - 31 : 31, 31);
+    EXPECT_GE(model.one(true), 31u);
+    EXPECT_LE(model.one(true), kProbabilityOne - 31);
   }
 }
 

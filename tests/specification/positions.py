@@ -417,7 +417,6 @@ class ResidualReader:
                     if shift > 0 and came_true < 3:
                         before = flags[a - 1] if a > 0 else 0
                         flags[a] = self.hit[a, min(shift, 3), came_true, around, before].get(self.reader)
-                    self.reader.end_group()
             if flags[a]:
                 residual[a] = candidates[came_true - 1][a]
             else:
@@ -453,6 +452,8 @@ class ResidualReader:
             limit = 2**28 >> (shift + self.step_bits[a])
             value += sign(value) * self.beyond[shift].get(self.reader)
             value = clamp(value, -limit, limit)
+        if a == 1 and self.header.exact_hits:
+            self.reader.end_group()
         for table in tables:
             table.update(b)
         return value
