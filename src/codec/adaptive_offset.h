@@ -27,7 +27,7 @@ inline constexpr int kShapeShift = 4;
 struct Surrounding {
   Lanes gate_surprises;  ///< left's and right's
   Lanes base_and_first;  ///< base's surprise; the first candidate from the predicted point
-  Lanes shape;           ///< height, from the base vertex to the middle of the gate; gate, from its right end to its left
+  Lanes shape;  ///< height, from the base vertex to the middle of the gate; gate, from its right end to its left
 };
 
 /// What the correction is made of, by component.
@@ -35,8 +35,8 @@ struct Features {
   // Lanes: left, right, base surprise, first, height, height, gate, height.
   Lanes component[3];
 
-  /// `irregular`, in lanes 1 to 3: how far the valences of the tip, between the gate's ends, and about the base are from
-  /// regular.
+  /// `irregular`, in lanes 1 to 3: how far the valences of the tip, between the gate's ends, and about the base are
+  /// from regular.
   TSC_ALWAYS_INLINE Features(const Frame& frame, const Surrounding& s, Integers irregular) {
     constexpr std::int16_t kMost = kFactorLimit, kLeast = -kFactorLimit;
     constexpr Lanes kUpper = {1, 1, 1, 1, kFactorOne, kMost, kMost, kMost};

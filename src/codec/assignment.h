@@ -71,8 +71,7 @@ AssignmentOrder encodeAssignment(const Surface& surface, const PositionMap& map,
 /// Linear time and memory in `counts` and the surface, whatever the stream says. Takes its result from the surface's
 /// memory where it can.
 /// Errors: kTruncated, kInvalidSymbol, kInvalidCount.
-[[nodiscard]] Status decodeAssignment(Surface&& surface, const PositionMap& map,
-                                      std::span<const glm::ivec3> positions, const Assignment::Counts& counts,
-                                      EntropyReader& reader, Assignment& assignment);
+[[nodiscard]] Status decodeAssignment(Surface&& surface, const PositionMap& map, std::span<const glm::ivec3> positions,
+                                      const Assignment::Counts& counts, EntropyReader& reader, Assignment& assignment);
 
 }  // namespace tsc

@@ -21,8 +21,8 @@ class Trials {
     Trial trial;
     trial.parameters = parameters;
     trial.position_count = std::min(count, input_.map.position_count);
-    const double squares = encodePositions(startFor(parameters.order), parameters, targets_,
-                                           trial.writer, keeps_result ? &trial.decoded : nullptr, count);
+    const double squares = encodePositions(startFor(parameters.order), parameters, targets_, trial.writer,
+                                           keeps_result ? &trial.decoded : nullptr, count);
     trial.bits = trial.writer.bitsSince(0);
     trial.squared_error = std::ldexp(squares, -2 * parameters.fine_bits);
     return trial;
@@ -52,7 +52,7 @@ std::uint32_t sampleSize(std::uint32_t position_count) {
 double timeWeight(const PositionParameters& p, std::uint32_t position_count) {
   constexpr std::uint32_t kLarge = 1 << 13;
   if (position_count < kLarge || !p.candidates) return 1;
-  return p.mode == Mode::kTangent ? 1.06 : 1.04;
+  return p.mode == Mode::kTangent ? 1.08 : 1.06;
 }
 
 /// What is worth trying when the caller leaves a choice open.
@@ -115,7 +115,9 @@ Trial bestPositions(const PositionInput& input, const Header& header, const Enco
   if (candidates.size() == 1) return trials.run(candidates[0], kNone, true);
 
   const std::uint32_t sample = sampleSize(input.map.position_count);
-  const auto cost = [&](const Trial& trial) { return trial.cost() * timeWeight(trial.parameters, input.map.position_count); };
+  const auto cost = [&](const Trial& trial) {
+    return trial.cost() * timeWeight(trial.parameters, input.map.position_count);
+  };
   Trial best = trials.run(candidates[0], sample, false);
   const auto attempt = [&](const PositionParameters& parameters) {
     Trial trial = trials.run(parameters, sample, false);

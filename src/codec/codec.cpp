@@ -20,13 +20,10 @@ std::string describe(const Error& error) {
 std::size_t componentSize(ComponentType type) {
   switch (type) {
     case ComponentType::kInt8:
-    case ComponentType::kUint8:
-      return 1;
+    case ComponentType::kUint8: return 1;
     case ComponentType::kInt16:
-    case ComponentType::kUint16:
-      return 2;
-    default:
-      return 4;
+    case ComponentType::kUint16: return 2;
+    default: return 4;
   }
 }
 

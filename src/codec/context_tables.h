@@ -78,9 +78,11 @@ class AveragedModel {
     CumulativeTable* const parent = &tables_[context.parent];
     CumulativeTable* const first = &tables_[kParentCount + 2 * hash(context.first)];
     CumulativeTable* const second = &tables_[kParentCount + 2 * hash(context.second) + 1];
-    if (parent->lanes[0] == 0) [[unlikely]] *parent = prior_;
+    if (parent->lanes[0] == 0) [[unlikely]]
+      *parent = prior_;
     for (CumulativeTable* table : {first, second}) {
-      if (table->lanes[0] != 0) [[likely]] continue;
+      if (table->lanes[0] != 0) [[likely]]
+        continue;
       *table = *parent;
       table->lanes[0] = kCopyAge;
     }
@@ -96,7 +98,7 @@ class AveragedModel {
   }
 
   CumulativeTable prior_;
-  int hash_shift_;  ///< the highest bits of a hash number the tables
+  int hash_shift_;                       ///< the highest bits of a hash number the tables
   std::vector<CumulativeTable> tables_;  ///< parents; then first and second ones by turns
 };
 

@@ -54,8 +54,8 @@ inline constexpr std::array<CumulativeTable, 16> kTableTargets = [] {
   return targets;
 }();
 
-/// Moves each lane by 2^-rate of its way to the symbol's target. Two neighbouring lanes at distance d >= 1 whose targets
-/// are at distance e >= 1 end at distance >= d + floor((e - d) / 2^rate) >= 1, so no frequency reaches 0.
+/// Moves each lane by 2^-rate of its way to the symbol's target. Two neighbouring lanes at distance d >= 1 whose
+/// targets are at distance e >= 1 end at distance >= d + floor((e - d) / 2^rate) >= 1, so no frequency reaches 0.
 inline void CumulativeTable::update(std::uint32_t symbol, const TableRates& rates) {
   const CumulativeTable& target = kTableTargets[symbol];
   const std::int32_t rate = rates[static_cast<std::uint16_t>(lanes[0]) >> 8];
@@ -65,8 +65,8 @@ inline void CumulativeTable::update(std::uint32_t symbol, const TableRates& rate
   storeLanes(lanes + 8, b + shiftedDown(target.high() - b, rate));
 }
 
-/// The average of two tables. Its frequencies stay positive: two neighbouring lanes differ by at least 1 in both tables,
-/// so their sums do by 2.
+/// The average of two tables. Its frequencies stay positive: two neighbouring lanes differ by at least 1 in both
+/// tables, so their sums do by 2.
 class AveragedTables {
  public:
   TSC_ALWAYS_INLINE AveragedTables(const CumulativeTable& a, const CumulativeTable& b)

@@ -45,8 +45,7 @@ void EntropyWriter::finish(std::uint32_t checksum, std::vector<std::byte>& bytes
       const std::uint32_t symbol = symbols_[--end];
       const std::uint32_t start = symbol >> kStartShift;
       const std::uint32_t field = symbol >> kFrequencyShift & kFieldMask;
-      state = symbol & kIsRaw ? state << field | start
-                              : ((state / field) << kProbabilityBits) + state % field + start;
+      state = symbol & kIsRaw ? state << field | start : ((state / field) << kProbabilityBits) + state % field + start;
     }
   }
   for (int i = 0; i < 8; ++i, state >>= 8) bytes.push_back(static_cast<std::byte>(state & 0xff));

@@ -1,10 +1,10 @@
 // The entropy coder: a range asymmetric numeral system (rANS, Duda 2013) in one 64-bit state, renormalised by bytes.
 //
 // Probabilities are multiples of 2^-15, and the state has room for kGroupBits of symbols at their smallest: the three
-// components of a vertex are one *group*, after which it is renormalised once (BITSTREAM.md, section 3). rANS decodes in
-// the reverse order of encoding: the writer keeps the symbols and codes them last to first when it finishes. Its initial
-// state carries the checksum, so the state that remains after decoding must equal it: stream consumed exactly and output
-// intact are one test.
+// components of a vertex are one *group*, after which it is renormalised once (BITSTREAM.md, section 3). rANS decodes
+// in the reverse order of encoding: the writer keeps the symbols and codes them last to first when it finishes. Its
+// initial state carries the checksum, so the state that remains after decoding must equal it: stream consumed exactly
+// and output intact are one test.
 #pragma once
 
 #include <bit>

@@ -1,7 +1,8 @@
 // Local orthonormal bases in integers (paper, eq. 5 and eq. 7; BITSTREAM.md, section 6.4).
 //
 // Axes are in units of 2^-12. Every intermediate is an integer; those carried in floats are at most 2^24, which floats
-// hold exactly, and what they are multiplied by to be scaled is a power of two, so that all machines find the same basis.
+// hold exactly, and what they are multiplied by to be scaled is a power of two, so that all machines find the same
+// basis.
 #pragma once
 
 #include <array>
@@ -69,8 +70,7 @@ TSC_ALWAYS_INLINE Floats scaledForUnit(Integers v) { return scaledForUnit(floats
 
 /// Of integer vectors whose lengths' product is at most 2^24.
 inline Floats crossProduct(Floats a, Floats b) {
-  const Floats zxy =
-      a * __builtin_shufflevector(b, b, 1, 2, 0, 3) - __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
+  const Floats zxy = a * __builtin_shufflevector(b, b, 1, 2, 0, 3) - __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
   return __builtin_shufflevector(zxy, zxy, 1, 2, 0, 3);
 }
 

@@ -109,7 +109,8 @@ class HitModel {
   /// Learns only where a 1 was possible. The probability stays within [31, 2^15 - 31]: a step of 2^-5 vanishes below a
   /// distance of 32 from either end.
   void update(bool bit, bool possible) {
-    const std::int32_t target = 31 + (static_cast<std::int32_t>(kProbabilityOne - 62) & -static_cast<std::int32_t>(bit));
+    const std::int32_t target =
+        31 + (static_cast<std::int32_t>(kProbabilityOne - 62) & -static_cast<std::int32_t>(bit));
     const std::int32_t step = (target - probability_) >> 5;
     probability_ = static_cast<std::uint16_t>(probability_ + (step & static_cast<std::int32_t>(mask(possible))));
   }

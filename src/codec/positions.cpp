@@ -17,13 +17,13 @@ namespace {
 
 /// What a vertex is predicted from. All of it is set before it is read.
 struct Prediction {
-  int count_class;                              ///< complete parallelograms, up to kCountClasses, less one
-  std::array<const VertexState*, 6> around;     ///< left, right and base of the first two parallelograms
+  int count_class;                                ///< complete parallelograms, up to kCountClasses, less one
+  std::array<const VertexState*, 6> around;       ///< left, right and base of the first two parallelograms
   std::array<Integers, kMaxStencils> candidates;  ///< parallelograms
-  Integers mean;                                ///< their average
-  Integers point;                               ///< the chosen predictor's, before the adaptive offset
+  Integers mean;                                  ///< their average
+  Integers point;                                 ///< the chosen predictor's, before the adaptive offset
   Frame frame;
-  Integers offset;                              ///< adaptive offset, local
+  Integers offset;  ///< adaptive offset, local
 
   Prediction() {}  // NOLINT: nothing is cleared that is set anyway
 
@@ -51,9 +51,7 @@ Integers stepsOf(const PositionParameters& p) {
 
 /// floor(log2) of each step.
 std::array<int, 3> bitsOf(Integers steps) {
-  const auto bits = [&](int a) {
-    return static_cast<int>(std::bit_width(static_cast<unsigned>(steps[a]))) - 1;
-  };
+  const auto bits = [&](int a) { return static_cast<int>(std::bit_width(static_cast<unsigned>(steps[a]))) - 1; };
   return {bits(0), bits(1), bits(2)};
 }
 
@@ -222,8 +220,8 @@ class PositionCoder {
       p.point =
           parameters_.predictor == Predictor::kParallelogram ? p.candidates[0] : weightedPoint(time, face, valence, p);
     }
-    p.frame = kTangent ? frameAt(parameters_.basis, p.left()->point, p.right()->point, p.base()->point, p.point)
-                       : Frame{};
+    p.frame =
+        kTangent ? frameAt(parameters_.basis, p.left()->point, p.right()->point, p.base()->point, p.point) : Frame{};
   }
 
   /// Of the predictors that are not made of candidates' means.
@@ -235,7 +233,8 @@ class PositionCoder {
                               expectedAngles({order_, states_}, time, face, valence, use_known_angles))));
   }
 
-  /// The valence less 6, the difference of the gate's ends', and what the base's leaves of these less 6, in lanes 1 to 3.
+  /// The valence less 6, the difference of the gate's ends', and what the base's leaves of these less 6, in lanes 1
+  /// to 3.
   TSC_ALWAYS_INLINE static Integers irregularityOf(const Prediction& p, std::int32_t valence) {
     // Lanes 3 of points are valences, and so are those of their sums.
     const Integers gate = p.left()->point - p.right()->point;
@@ -298,7 +297,8 @@ class PositionCoder {
     around.spread = spread;
     if (kTangent) {
       around.spread = (spread + __builtin_shufflevector(spread, spread, 1, 2, 0, 3) +
-                       __builtin_shufflevector(spread, spread, 2, 0, 1, 3)) >> 1;
+                       __builtin_shufflevector(spread, spread, 2, 0, 1, 3)) >>
+                      1;
     }
     return around;
   }
@@ -358,7 +358,8 @@ class PositionCoder {
     const int first = whole & 1 ? 0 : contexts.shift(0);
     const int second = whole & 2 ? 0 : contexts.shift(1);
     const int third = whole & 4 ? 0 : contexts.shift(2);
-    if (first + second + third > kGroupRawBits) [[unlikely]] coder.endGroup();
+    if (first + second + third > kGroupRawBits) [[unlikely]]
+      coder.endGroup();
     const auto code = [&](std::size_t a, int count) {
       residual[a] += static_cast<std::int32_t>(coder.raw(static_cast<std::uint32_t>(wanted[a] - residual[a]), count));
     };
@@ -392,8 +393,7 @@ class PositionCoder {
     };
     Vec3 residual = steps(target - glm::dvec3(vectorOf(p.point)), glm::dvec3(vectorOf(p.offset)));
     for (int pass = 0; pass < 3; ++pass) {
-      const Vec3 correction =
-          steps(target - glm::dvec3(vectorOf(reconstruct(p, lanesOf(residual)))), glm::dvec3(0));
+      const Vec3 correction = steps(target - glm::dvec3(vectorOf(reconstruct(p, lanesOf(residual)))), glm::dvec3(0));
       if (correction == Vec3(0)) break;
       residual += correction;
     }

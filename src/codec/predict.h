@@ -17,7 +17,8 @@ inline Integers parallelogram(Integers left, Integers right, Integers base) { re
 /// Mean of `count` candidates, 1..kMaxStencils, rounded; of three, the first counts as much as the others together.
 /// Beyond `count`, candidates are the first again.
 TSC_ALWAYS_INLINE Integers average(const std::array<Integers, kMaxStencils>& candidates, int count) {
-  constexpr std::array<Integers, kMaxStencils + 1> kRound = {Integers{}, Integers{}, Integers{1, 1, 1, 1}, Integers{2, 2, 2, 2}};
+  constexpr std::array<Integers, kMaxStencils + 1> kRound = {Integers{}, Integers{}, Integers{1, 1, 1, 1},
+                                                             Integers{2, 2, 2, 2}};
   const Integers spread = (candidates[1] - candidates[0]) + (candidates[2] - candidates[0]);
   return candidates[0] + ((spread + kRound[static_cast<std::size_t>(count)]) >> (count - 1));
 }
@@ -57,8 +58,8 @@ struct AngleContext {
 ExpectedAngles expectedAngles(const AngleContext& context, std::uint32_t time, std::uint32_t face, std::int32_t valence,
                               bool use_known_angles);
 
-/// Eq. 2 with the weights of eq. 3 and 4. The parallelogram where the angles give no usable triangle. Of vertices that a
-/// hostile stream has put far apart it can be beyond 32 bits.
+/// Eq. 2 with the weights of eq. 3 and 4. The parallelogram where the angles give no usable triangle. Of vertices that
+/// a hostile stream has put far apart it can be beyond 32 bits.
 WideVec3 weightedParallelogram(const Vec3& left, const Vec3& right, const Vec3& base, ExpectedAngles expected);
 
 }  // namespace tsc

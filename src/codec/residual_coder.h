@@ -28,8 +28,8 @@ struct CandidateContext {
 template <class Direction>
 class ResidualCoder {
  public:
-  /// `exact_hits` as in PositionParameters. `second_tells`: the first candidate is the prediction, so that only the place
-  /// of the second tells anything. `step_bits`: floor(log2(step)) of each axis.
+  /// `exact_hits` as in PositionParameters. `second_tells`: the first candidate is the prediction, so that only the
+  /// place of the second tells anything. `step_bits`: floor(log2(step)) of each axis.
   ResidualCoder(Direction direction, bool exact_hits, bool second_tells, const std::array<int, 3>& step_bits)
       : direction_(direction),
         exact_hits_(exact_hits),
@@ -39,8 +39,9 @@ class ResidualCoder {
 
   /// What the components of one vertex have told so far.
   struct Progress {
-    std::uint32_t came_true = 0;  ///< of the component before: 0 nothing, 1 and 2 which candidate's bin it had, 3 neither
-    std::uint32_t hits = 0;       ///< components that were exactly a candidate's and said so, a bit each
+    std::uint32_t came_true =
+        0;                   ///< of the component before: 0 nothing, 1 and 2 which candidate's bin it had, 3 neither
+    std::uint32_t hits = 0;  ///< components that were exactly a candidate's and said so, a bit each
   };
 
   /// Codes a residual in steps but for what lies below its bin's width; only writing looks at `residual`. Returns the

@@ -42,7 +42,8 @@ struct ResidualContexts {
 TSC_ALWAYS_INLINE ResidualContexts residualContexts(const Neighbourhood& around) {
   constexpr int kOctave = 1 << 23;
   const Integers own = around.magnitude;
-  const Integers total = own + __builtin_shufflevector(own, own, 1, 2, 0, 3) + __builtin_shufflevector(own, own, 2, 0, 1, 3);
+  const Integers total =
+      own + __builtin_shufflevector(own, own, 1, 2, 0, 3) + __builtin_shufflevector(own, own, 2, 0, 1, 3);
   // In 1/114 steps, below 2^21.
   const Integers mean = (own << 4) + total + 16;
   const Integers size = logarithms(mean + (around.spread >> 2));

@@ -27,7 +27,8 @@ class PlainModel {
     const auto slot = static_cast<int>(reader.peek());
     std::uint32_t symbol = 0;
     while (mean[symbol + 1] <= slot) ++symbol;
-    reader.advance(static_cast<std::uint32_t>(mean[symbol]), static_cast<std::uint32_t>(mean[symbol + 1] - mean[symbol]));
+    reader.advance(static_cast<std::uint32_t>(mean[symbol]),
+                   static_cast<std::uint32_t>(mean[symbol + 1] - mean[symbol]));
     for (Table* table : {&parent, &a, &b}) update(*table, static_cast<int>(symbol));
     return symbol;
   }

@@ -1,11 +1,10 @@
 // What `encode` accepts and refuses, its bounds at the ends of the range of floats, and its choices.
-#include "tsc/codec.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "codec_checks.h"
+#include "tsc/codec.h"
 
 namespace tsc::test {
 namespace {
@@ -95,7 +94,8 @@ TEST(Encode, DuplicatesAndFlipSides) {
   expectEveryChoiceHolds(OwnedMesh(triangles), 0.01);
 }
 
-// ------------------------------------------------------------------------------------------- The ends of the float range
+// ------------------------------------------------------------------------------------------- The ends of the float
+// range
 
 TEST(Encode, FarFromTheOrigin) { expectEveryChoiceHolds(placed(meshes::torus(7, 6), 6e6, 100), 0.5); }
 
@@ -165,8 +165,8 @@ TEST(Encode, RefusesNonFinitePositions) {
 }
 
 TEST(Encode, RefusesBadSteps) {
-  for (const double step : {0.0, -1.0, 1e-50, 1e300, std::numeric_limits<double>::quiet_NaN(),
-                            std::numeric_limits<double>::infinity()}) {
+  for (const double step :
+       {0.0, -1.0, 1e-50, 1e300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     EXPECT_EQ(errorOf(OwnedMesh(meshes::triangle()), withStep(step)), ErrorCode::kInvalidArgument) << step;
   }
 }
@@ -213,13 +213,13 @@ TEST(Encode, RefusesBadMeshes) {
 
 TEST(Encode, RefusesIntegerPositionsThatTheirTypeDoesNotHold) {
   for (const auto& [type, bad] : std::vector<std::pair<ComponentType, float>>{{ComponentType::kInt8, 128},
-                                                                             {ComponentType::kInt8, -129},
-                                                                             {ComponentType::kUint8, -1},
-                                                                             {ComponentType::kUint8, 256},
-                                                                             {ComponentType::kInt16, 32768},
-                                                                             {ComponentType::kUint16, 65536},
-                                                                             {ComponentType::kUint16, 0.5f},
-                                                                             {ComponentType::kInt16, 1e30f}}) {
+                                                                              {ComponentType::kInt8, -129},
+                                                                              {ComponentType::kUint8, -1},
+                                                                              {ComponentType::kUint8, 256},
+                                                                              {ComponentType::kInt16, 32768},
+                                                                              {ComponentType::kUint16, 65536},
+                                                                              {ComponentType::kUint16, 0.5f},
+                                                                              {ComponentType::kInt16, 1e30f}}) {
     OwnedMesh mesh(meshes::triangle());
     mesh.position_type = type;
     mesh.tables[0][4] = bad;

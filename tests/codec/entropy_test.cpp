@@ -60,7 +60,8 @@ TEST(Entropy, OneSymbolThatTakesAByteByHand) {
   EXPECT_TRUE(reader.atEnd());
 }
 
-// The largest group: all but the highest byte of the state goes first, 1 is left, and nothing is refilled until the end.
+// The largest group: all but the highest byte of the state goes first, 1 is left, and nothing is refilled until the
+// end.
 TEST(Entropy, AGroupByHand) {
   EntropyWriter writer;
   for (const std::uint32_t start : {0x7001u, 0x0002u, 0x1003u}) writer.putGrouped(start, 1);

@@ -25,9 +25,7 @@ Integers randomPoint(std::mt19937& random) {
 
 /// v / 2^n without the fraction.
 std::int64_t towardZero(std::int64_t v, int n) { return v < 0 ? -(-v >> n) : v >> n; }
-WideVec3 towardZero(const WideVec3& v, int n) {
-  return {towardZero(v.x, n), towardZero(v.y, n), towardZero(v.z, n)};
-}
+WideVec3 towardZero(const WideVec3& v, int n) { return {towardZero(v.x, n), towardZero(v.y, n), towardZero(v.z, n)}; }
 
 /// To 24 significant bits, ties to even.
 std::int64_t roundedTo24Bits(std::int64_t v) {
@@ -144,7 +142,7 @@ TEST(Frame, VectorsAreScaledToElevenBits) {
   expectScaled(lanes(-1, 0, 0), {-1024, 0, 0});
   expectScaled(lanes(-64, 63, 3), {-1024, 1008, 48});
   expectScaled(lanes(1 << 28, -1, -12345678), {1024, 0, -47});
-  expectScaled(lanes(4095, -4095, 3), {2047, -2047, 1});  // towards zero
+  expectScaled(lanes(4095, -4095, 3), {2047, -2047, 1});   // towards zero
   expectScaled(lanes((1 << 25) - 1, 0, 0), {1024, 0, 0});  // 2^25 in 24 bits
   expectScaled(lanes((1 << 24) - 1, 0, 0), {2047, 0, 0});
 }
@@ -246,7 +244,8 @@ TEST(Frame, AsWrittenAtTheEnds) {
 
 TEST(Frame, GateAlignedByHand) {
   // As in BITSTREAM.md, section 6.4.
-  const Frame frame = frameAt(Basis::kGate, lanes(64, 0, 0, 6), lanes(0, 64, 0, 5), lanes(0, 0, 0, 9), lanes(64, 64, 0));
+  const Frame frame =
+      frameAt(Basis::kGate, lanes(64, 0, 0, 6), lanes(0, 64, 0, 5), lanes(0, 0, 0, 9), lanes(64, 64, 0));
   EXPECT_EQ(wideOf(frame.normal), WideVec3(0, 0, -4080));
   EXPECT_EQ(wideOf(frame.first), WideVec3(2885, -2885, 0));
   EXPECT_EQ(wideOf(frame.second), WideVec3(-2873, -2873, 0));

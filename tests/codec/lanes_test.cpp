@@ -214,6 +214,15 @@ TEST(Lanes, FirstAbove) {
   }
 }
 
+TEST(Lanes, ShiftedDownRoundsDown) {
+  Numbers numbers;
+  for (int run = 0; run < kRuns; ++run) {
+    const Lanes v = numbers.lanes();
+    const Lanes found = shiftedDown(v, run % 16);
+    for (int i = 0; i < 8; ++i) ASSERT_EQ(found[i], v[i] >> run % 16);
+  }
+}
+
 TEST(Lanes, PairsOfEqual) {
   const Lanes values = {1, 2, 3, 9, 1, 2, 3, 9};
   EXPECT_EQ(pairsOfEqual(values, Lanes{0, 0, 0, 9, 0, 0, 0, 9}), 0u) << "lanes 3 and 7 do not count";

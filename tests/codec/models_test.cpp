@@ -103,12 +103,38 @@ TEST(HitModel, UpdatesByHand) {
   EXPECT_EQ(model.one(true), 16368u);
 }
 
-TEST(HitModel, WhatIsImpossibleCostsNothingAndTeachesNothing) {
+TEST(HitModel, AnImpossibleHitTakesNothingAndTeachesNothing) {
   HitModel model;
+  model.update(true, true);
   EXPECT_EQ(model.one(false), 0u);
-  model.update(true, false);
   model.update(false, false);
-  EXPECT_EQ(model.one(true), 16384u);
+  EXPECT_EQ(model.one(true), 16895u);
+
+  EntropyWriter writer;
+  Writing writing{writer};
+  Hot<Writing> encoder(writing);
+  HitModel written, read;
+  std::mt19937 random(3);
+  std::vector<std::pair<bool, bool>> all;  // possible, hit
+  for (int i = 0; i < 2000; ++i) all.emplace_back(random() % 2 == 0, random() % 8 == 0);
+  for (const auto& [possible, hit] : all) {
+    const std::size_t mark = writer.mark();
+    EXPECT_EQ(encoder.hit(written, possible, hit), possible && hit);
+    EXPECT_EQ(writer.mark() - mark, possible ? 1u : 0u);
+    encoder.endGroup();
+  }
+  std::vector<std::byte> bytes;
+  writer.finish(8, bytes);
+  EntropyReader reader(bytes);
+  Reading reading{reader};
+  Hot<Reading> decoder(reading);
+  for (const auto& [possible, hit] : all) {
+    ASSERT_EQ(decoder.hit(read, possible, false), possible && hit);
+    decoder.endGroup();
+  }
+  decoder.to(reading);
+  EXPECT_TRUE(reader.atEnd());
+  EXPECT_EQ(reader.state(), finalState(8));
 }
 
 TEST(HitModel, NeverBecomesCertain) {

@@ -72,10 +72,10 @@ TEST(Output, IntegersArePaddedWithZeros) {
 
 TEST(Output, IntegersOutOfRangeAreAnError) {
   for (const auto& [type, bad] : std::vector<std::pair<ComponentType, int>>{{ComponentType::kInt8, 128},
-                                                                           {ComponentType::kUint8, -1},
-                                                                           {ComponentType::kUint8, 256},
-                                                                           {ComponentType::kInt16, -32769},
-                                                                           {ComponentType::kUint16, 65536}}) {
+                                                                            {ComponentType::kUint8, -1},
+                                                                            {ComponentType::kUint8, 256},
+                                                                            {ComponentType::kInt16, -32769},
+                                                                            {ComponentType::kUint16, 65536}}) {
     const Header header = headerFor(1, 0, type, ComponentType::kUint32);
     const Written written = write(header, {0}, {{0, 0, bad}}, {});
     ASSERT_TRUE(written.status);

@@ -35,7 +35,9 @@ std::vector<Coded> randomResiduals(std::uint32_t seed, int fine_bits) {
       };
       for (std::int32_t& candidate : c.residual) candidate = number(16);
       const std::int32_t near = number(coded.shift[a] + 3), far = number(32 - 4 - fine_bits);
-      coded.residual[a] = std::clamp(random() % 4 == 0 ? c.residual[random() % 2] : random() % 4 == 0 ? far : near,
+      coded.residual[a] = std::clamp(random() % 4 == 0   ? c.residual[random() % 2]
+                                     : random() % 4 == 0 ? far
+                                                         : near,
                                      -limit, limit);
     }
     all.push_back(coded);

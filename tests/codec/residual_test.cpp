@@ -9,7 +9,7 @@ TEST(FirstWindow, ByHand) {
   // Weights fall by 1/8 a bin, over 64: 64 64 64 64 68 96 320 2112 16448 2112 ...; 32752 parts of their sum, and one
   // more for each bin.
   const CumulativeTable table = firstWindow(8);
-  const std::int16_t expected[16] = {0, 95, 191, 287, 383, 485, 628, 1104,
+  const std::int16_t expected[16] = {0,    95,    191,   287,   383,   485,   628,   1104,
                                      4236, 28626, 31759, 32235, 32378, 32480, 32576, 32672};
   for (std::size_t i = 0; i < 16; ++i) EXPECT_EQ(table.lanes[i], expected[i]) << i;
 }

@@ -14,9 +14,7 @@ namespace {
 
 CutMesh cut(const meshes::Triangles& mesh) { return cutToManifold(mesh.positions, mesh.indices); }
 
-std::uint32_t dummyCount(const CutMesh& cut) {
-  return cut.surface.dummy_count;
-}
+std::uint32_t dummyCount(const CutMesh& cut) { return cut.surface.dummy_count; }
 
 std::uint32_t realVertexCount(const CutMesh& cut) { return cut.surface.vertexCount() - dummyCount(cut); }
 

@@ -100,7 +100,9 @@ TEST(Vectors, CoverWhatTheyAreFor) {
     EXPECT_TRUE(flag("exact hits") == 1 || vector.name != "hits");
     EXPECT_EQ(flag("anchored"), vector.name == "anchored-degree" || vector.name == "int16") << vector.name;
     EXPECT_EQ(flag("order"), vector.name == "anchored-degree") << vector.name;
-    EXPECT_EQ(flag("normal scale - 1"), vector.name == "sheet-paper" ? 1 : vector.options.mode == Mode::kTangent ? 0 : -1);
+    EXPECT_EQ(flag("normal scale - 1"), vector.name == "sheet-paper"            ? 1
+                                        : vector.options.mode == Mode::kTangent ? 0
+                                                                                : -1);
     EXPECT_EQ(flag("position type"), vector.name == "int16" ? 2 : 5) << vector.name;
     EXPECT_LT(trip.encoded.bytes.size(), 1000u);
   }
