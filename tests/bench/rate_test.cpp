@@ -2,6 +2,7 @@
 #include "rate.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 
@@ -73,7 +74,8 @@ class MeasureRate : public testing::Test {
   void SetUp() override { std::filesystem::remove_all(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  const std::filesystem::path folder_ = std::filesystem::temp_directory_path() / "tsc_bench_rate_test";
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("tsc_bench_rate_test_" + std::to_string(getpid()));
   const BenchMesh mesh_ = subdivide(makePlane(12, 17.5));
 };
 

@@ -2,11 +2,13 @@
 #include "run.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <fstream>
 #include <set>
 #include <stdexcept>
+#include <string>
 
 namespace tsc::bench {
 namespace {
@@ -39,7 +41,7 @@ class Run : public testing::Test {
     return {path, fs::file_size(path)};
   }
 
-  const fs::path folder_ = fs::temp_directory_path() / "tsc_bench_run_test";
+  const fs::path folder_ = fs::temp_directory_path() / ("tsc_bench_run_test_" + std::to_string(getpid()));
 };
 
 TEST_F(Run, storeRemembersResultsOfTheSameKey) {
